@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from fem_seal.case.case import load_case
-from fem_seal.explore.choices import changed, choices_of
+from fem_seal.explore.choices import apply_choice, choices_of
 from fem_seal.explore.factors import Factor
 from fem_seal.explore.figures import designs_shown, figures
 from fem_seal.explore.session import Session
@@ -60,7 +60,7 @@ def measure(path: Path, count: int) -> None:
     for name in ("water", "nitrogen"):
         if name != chosen.get("fluid.name", name):
             start = time.process_time()
-            other = Session(changed(case, "fluid.name", name))
+            other = Session(apply_choice(case, "fluid.name", name))
             made = 1e3 * (time.process_time() - start)
             first, *again = timed(other, [{}, {"force": force.stops[-1]}])
             print(f"    fluid {name}: first time {made + first:.0f} ms, then {again[0]:.0f} ms")

@@ -105,7 +105,7 @@ def sentence(name: str, /, **values: object) -> str:
     return text.format(**values)
 
 
-def _wrong_table(name: str, /, **values: object) -> TextTableError:
+def _table_error(name: str, /, **values: object) -> TextTableError:
     return TextTableError(sentence(name, **values))
 
 
@@ -194,7 +194,7 @@ def read_text_table(file: str | Path) -> TextTable:
     from leak.text_tables import only_table, read_tables
 
     try:
-        return without_extremes(only_table(read_tables(read_any_text(file))))
+        return drop_extremes(only_table(read_tables(read_any_text(file))))
     except TableError as error:
         raise TextTableError(str(error)) from None
 
@@ -220,7 +220,7 @@ def read_any_text(file: str | Path) -> str:
         raise TextTableError(str(error)) from None
 
 
-def without_extremes(table: TextTable) -> TextTable:
+def drop_extremes(table: TextTable) -> TextTable:
     """A table without numbers that have no square; TextTableError if one is beyond all measure.
 
     Parameters
@@ -247,7 +247,7 @@ def _check_sizes(values: FloatArray, lines: tuple[int, ...], largest: float, wha
     if beyond.size:
         row = values.reshape(len(values), -1)[beyond[0]]
         number = float(row[int(np.argmax(np.abs(row)))])
-        raise _wrong_table("beyond_measure", line=lines[int(beyond[0])], number=number, what=what)
+        raise _table_error("beyond_measure", line=lines[int(beyond[0])], number=number, what=what)
 
 
 # What a column may be called, and its dimension: one of `fem_seal.units.DIMENSIONS`, or "strain".
@@ -276,7 +276,7 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     if not table.header:
         columns = table.values.shape[1]
         if table.above:
-            raise _wrong_table(
+            raise _table_error(
                 "column_names", above=table.above[-1][1][:60], columns=columns, example=example
             )
         raise TextTableError(f"has no header; name the columns and their units, {example}")
@@ -298,24 +298,24 @@ def column(table: TextTable, place: int, dimension: str) -> FloatArray:
     """
     import numpy as np
 
-    values = _in_si(table, place, dimension)
+    values = _column_in_si(table, place, dimension)
     limit = _PLAUSIBLE.get(dimension, _BEYOND)
     _check_sizes(values, table.lines, limit, f'{dimension} of column "{table.header[place]}" (in SI)')
     return np.where(np.abs(values) < _NOTHING, 0.0, values)
 
 
-def _in_si(table: TextTable, place: int, dimension: str) -> FloatArray:
+def _column_in_si(table: TextTable, place: int, dimension: str) -> FloatArray:
     import numpy as np
 
     header, values = table.header[place], table.values[:, place]
     unit = name_and_unit(header)[1]
     if dimension == "strain":
         if unit.lower() not in _STRAINS:
-            raise _wrong_table("unit_of_strain", header=header, unit=unit)
+            raise _table_error("unit_of_strain", header=header, unit=unit)
         return values * _STRAINS[unit.lower()]
     if not unit:
         example = {"length": "mm", "temperature": "degC"}.get(dimension, "MPa")
-        raise _wrong_table("column_without_unit", header=header, example=example)
+        raise _table_error("column_without_unit", header=header, example=example)
     try:
         if dimension == "temperature":
             # whose scales begin at different places
@@ -363,14 +363,14 @@ def parse_json(text: str | bytes) -> Any:
 
 def as_json(value: object) -> str:
     """JSON of numbers, texts, lists and tables; what is not a number in JSON (NaN, infinity) becomes null."""
-    return json.dumps(_plain(value), indent=2, ensure_ascii=False)
+    return json.dumps(_replace_nonfinite(value), indent=2, ensure_ascii=False)
 
 
-def _plain(value: Any) -> Any:
+def _replace_nonfinite(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items()}
+        return {str(key): _replace_nonfinite(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
+        return [_replace_nonfinite(entry) for entry in value]
     if isinstance(value, float) or hasattr(value, "item"):
         number = value.item() if hasattr(value, "item") else value
         return None if isinstance(number, float) and not math.isfinite(number) else number
@@ -420,9 +420,9 @@ def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
         finally:
             os.close(handle)
     except (OSError, ValueError) as error:
-        raise _unreadable(error) from None
+        raise _unreadable_error(error) from None
     if len(content) > most:
-        raise _too_large(most)
+        raise _size_error(most)
     return content
 
 
@@ -454,7 +454,7 @@ def check_file(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> None:
         if not os.access(path, os.R_OK):
             raise UnreadableFileError("cannot be read (permission denied)")
     except (OSError, ValueError) as error:
-        raise _unreadable(error) from None
+        raise _unreadable_error(error) from None
 
 
 def _check(status: os.stat_result, most: int) -> None:
@@ -462,14 +462,14 @@ def _check(status: os.stat_result, most: int) -> None:
         kind = next((name for is_kind, name in _KINDS if is_kind(status.st_mode)), "no regular file")
         raise UnreadableFileError(f"cannot be read (is {kind}; a regular file is needed)")
     if status.st_size > most:
-        raise _too_large(most)
+        raise _size_error(most)
 
 
-def _too_large(most: int) -> UnreadableFileError:
+def _size_error(most: int) -> UnreadableFileError:
     return UnreadableFileError(f"cannot be read (is larger than {most // 2**20} MB)")
 
 
-def _unreadable(error: OSError | ValueError) -> UnreadableFileError:
+def _unreadable_error(error: OSError | ValueError) -> UnreadableFileError:
     if isinstance(error, UnreadableFileError):
         return error
     reason = getattr(error, "strerror", None) or "not a file name"

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError
-from fem_seal.units import written
+from fem_seal.units import format_value
 
 # Where the numbers of a material hold unless a temperature is said [K].
 ROOM_TEMPERATURE = 293.15
@@ -112,7 +112,7 @@ class OverTemperature:
 
 def in_degrees(temperature: float) -> str:
     """A temperature [K] as it is said to people."""
-    return written(temperature, ".4g degC")
+    return format_value(temperature, ".4g degC")
 
 
 @dataclass(frozen=True)

@@ -81,15 +81,17 @@ class PressureProfile:
     @cached_property
     def centroid(self) -> float:
         """Centre of the pressure over x [m]."""
-        return self.moment(1) / self._whole if self.touches else 0.5 * float(self.x[0] + self.x[-1])
+        return (
+            self.moment(1) / self._force_per_length if self.touches else 0.5 * float(self.x[0] + self.x[-1])
+        )
 
     @cached_property
     def std(self) -> float:
         """Square root of the second central moment of p over x [m]."""
-        return float(np.sqrt(self.moment(2, self.centroid) / self._whole)) if self.touches else 0.0
+        return float(np.sqrt(self.moment(2, self.centroid) / self._force_per_length)) if self.touches else 0.0
 
     @cached_property
-    def _whole(self) -> float:
+    def _force_per_length(self) -> float:
         """int p dx [Pa m]."""
         return float(self.arc_weight @ self.pressure)
 
@@ -230,12 +232,12 @@ class PressureProfile:
             return float(self.x[inside])
         lower = max(min(inside, outside) - 2, 0)
         part = slice(lower, lower + 6)
-        curve = _through(self.x[part].tolist(), height[part].tolist())
+        curve = _interpolate(self.x[part].tolist(), height[part].tolist())
         a, b = sorted((float(self.x[inside]), float(self.x[outside])))
         return _root(curve, a, b)
 
 
-def _through(x: list[float], y: list[float]) -> Callable[[float], float]:
+def _interpolate(x: list[float], y: list[float]) -> Callable[[float], float]:
     """The polynomial through a few points, by divided differences."""
     d = list(y)
     for order in range(1, len(x)):
@@ -258,7 +260,7 @@ def _root(curve: Callable[[float], float], a: float, b: float) -> float:
     return float(a + (b - a) * share)
 
 
-def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:
+def tightest_profile(profiles: Sequence[PressureProfile]) -> PressureProfile:
     """The one of several contact lines that is pressed hardest.
 
     Parameters
@@ -268,7 +270,7 @@ def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:
     return max(profiles, key=lambda one: one.peak_pressure) if len(profiles) > 1 else profiles[0]
 
 
-def joined(profiles: Sequence[PressureProfile]) -> PressureProfile:
+def join_lands(profiles: Sequence[PressureProfile]) -> PressureProfile:
     """Lands of a contact line as one profile; a single one as it is.
 
     Parameters

@@ -16,7 +16,7 @@ CUT_OFF = 4.0
 
 
 @dataclass(frozen=True)
-class _Between:
+class _Bounded:
     """Values between two bounds.
 
     Parameters
@@ -34,7 +34,7 @@ class _Between:
         return self.low, self.high
 
 
-class Uniform(_Between):
+class Uniform(_Bounded):
     """Every value between two bounds alike."""
 
     def quantile(self, share: FloatArray) -> FloatArray:
@@ -42,7 +42,7 @@ class Uniform(_Between):
         return self.low + (self.high - self.low) * share
 
 
-class LogUniform(_Between):
+class LogUniform(_Bounded):
     """Every ratio between two positive bounds alike."""
 
     def quantile(self, share: FloatArray) -> FloatArray:

@@ -38,7 +38,7 @@ class Dimension:
     examples: Sequence[str]
 
     @property
-    def wanted(self) -> str:
+    def advice(self) -> str:
         """What to write, for messages: ``a length with its unit, such as "20 mm"``."""
         article = "an" if self.name[0] in "aeiou" else "a"
         listed = ", ".join(f'"{example}"' for example in self.examples)
@@ -94,12 +94,14 @@ def _registered_factor(unit: str, dimension: str) -> Fraction:
         given = registry.parse_units(re.sub(r"(?<=[^\W\d_])([23])(?!\w)", r"^\1", unit.replace("·", "*")))
     except (pint.PintError, ValueError, TypeError, AttributeError, KeyError):
         if unit in _TABLES["scales"]:
-            raise QuantityError(f'unit "{unit}" does not fit; write {wanted.wanted}') from None
-        raise QuantityError(f'unit "{unit}" is unknown{_similar(unit)}; write {wanted.wanted}') from None
+            raise QuantityError(f'unit "{unit}" does not fit; write {wanted.advice}') from None
+        raise QuantityError(
+            f'unit "{unit}" is unknown{_similar_units(unit)}; write {wanted.advice}'
+        ) from None
     si = registry.parse_units(wanted.si_unit)
     angular = any(name in ("radian", "degree") for name in given._units)
     if given.dimensionality != si.dimensionality or (dimension == "angle" and not angular):
-        raise QuantityError(f'unit "{unit}" does not fit; write {wanted.wanted}')
+        raise QuantityError(f'unit "{unit}" does not fit; write {wanted.advice}')
     factor = float(registry.Quantity(1.0, given).to(si).magnitude)
     # decimal factors exactly, so that "1.9 um" is 1.9e-6 and not the float beside it
     return Fraction(
@@ -107,7 +109,7 @@ def _registered_factor(unit: str, dimension: str) -> Fraction:
     )
 
 
-def _similar(unit: str) -> str:
+def _similar_units(unit: str) -> str:
     """Ask for known units that are spelled like the unknown one, " (do you mean mPa, MPa?)", or nothing."""
     texts = [text for dimension in DIMENSIONS.values() for text in dimension.examples]
     known = [unit for text in texts for unit in text.split()[1:]]
@@ -146,10 +148,10 @@ def parse_quantity(text: object, dimension: str) -> float:
     0.785398
     """
     if isinstance(text, str):
-        return _parsed(short_text(text, dimension), dimension)
+        return _parse(short_text(text, dimension), dimension)
     bare = isinstance(text, (int, float)) and not isinstance(text, bool)
     raise QuantityError(
-        f"{'has no unit' if bare else 'is not a quantity'}; write {DIMENSIONS[dimension].wanted}"
+        f"{'has no unit' if bare else 'is not a quantity'}; write {DIMENSIONS[dimension].advice}"
     )
 
 
@@ -174,7 +176,7 @@ def exact_quantity(text: str, dimension: str) -> Fraction:
     >>> float(exact_quantity("40.1 mm", "length") / 2) == parse_quantity("20.05 mm", "length")
     True
     """
-    return _exact(short_text(text, dimension), dimension)
+    return _parse_exactly(short_text(text, dimension), dimension)
 
 
 def short_text(text: str, dimension: str) -> str:
@@ -196,22 +198,22 @@ def short_text(text: str, dimension: str) -> str:
     plain = " ".join(text.split()).replace("−", "-")
     if len(plain) > _LONGEST:
         wrong = f"is not a number followed by a unit but {len(plain)} characters"
-        raise QuantityError(f"{wrong}; write {DIMENSIONS[dimension].wanted}")
+        raise QuantityError(f"{wrong}; write {DIMENSIONS[dimension].advice}")
     return plain
 
 
 # a study reads the same texts again for each of its designs
 @lru_cache(maxsize=4096)
-def _parsed(stripped: str, dimension: str) -> float:
+def _parse(stripped: str, dimension: str) -> float:
     try:
-        return float(_exact(stripped, dimension))
+        return float(_parse_exactly(stripped, dimension))
     except OverflowError:
-        raise QuantityError(f"is not a finite number; write {DIMENSIONS[dimension].wanted}") from None
+        raise QuantityError(f"is not a finite number; write {DIMENSIONS[dimension].advice}") from None
 
 
-def _exact(stripped: str, dimension: str) -> Fraction:
+def _parse_exactly(stripped: str, dimension: str) -> Fraction:
     """Number times unit; of a temperature above the zero of its scale, so that it is no product."""
-    wanted, is_temperature = DIMENSIONS[dimension].wanted, dimension == "temperature"
+    wanted, is_temperature = DIMENSIONS[dimension].advice, dimension == "temperature"
     if dimension == "length" and (inches := _INCHES.fullmatch(stripped)):
         whole, over, under, plain = inches.groups()
         number = Fraction(plain or whole or 0) + Fraction(int(over or 0), int(under or 1))
@@ -219,7 +221,7 @@ def _exact(stripped: str, dimension: str) -> Fraction:
     match = (_TEMPERATURE if is_temperature else _QUANTITY).fullmatch(stripped)
     # "20" alone would be a temperature of 2 of the unit "0", and "0.1" a length of 0 of the unit "1"
     if match is None or re.fullmatch(NUMBER, stripped):
-        raise QuantityError(f"{_what_is_wrong(stripped)}; write {wanted}")
+        raise QuantityError(f"{_syntax_error(stripped)}; write {wanted}")
     if not is_temperature:
         return Fraction(match[1]) * _factor(match[2], dimension)
     if match[2] not in _TABLES["scales"]:
@@ -232,7 +234,7 @@ def _exact(stripped: str, dimension: str) -> Fraction:
     return kelvin
 
 
-def _what_is_wrong(text: str) -> str:
+def _syntax_error(text: str) -> str:
     if re.fullmatch(NUMBER, text):
         return "has no unit"
     if re.match(r"[+-]?\d+,\d", text):
@@ -447,7 +449,7 @@ def number(value: float | None, digits: int = 3) -> str:
     return text.replace("-", "−")
 
 
-def rounded(value: float, digits: int) -> float:
+def round_digits(value: float, digits: int) -> float:
     """A number with no more significant digits than it is worth.
 
     Examples
@@ -485,14 +487,14 @@ def format_digits(value: float, digits: int) -> str:
     digits : int
         Four leave every digit before the point.
     """
-    return number(rounded(value, digits) if digits < DIGITS and math.isfinite(value) else value, digits)
+    return number(round_digits(value, digits) if digits < DIGITS and math.isfinite(value) else value, digits)
 
 
 # A number that is as near to its limit has no side that anybody could measure.
 _ALIKE = 1e-5
 
 
-def digits_beside(value: float, limit: float, digits: int) -> int:
+def digits_at_limit(value: float, limit: float, digits: int) -> int:
     """Significant digits of a number beside its limit: as many as it is worth, more if they show on which side it is.
 
     Parameters
@@ -513,12 +515,12 @@ def digits_beside(value: float, limit: float, digits: int) -> int:
         return digits
     if abs(value - limit) < _ALIKE * abs(limit):
         value = limit
-    shown = ((more, rounded(value, more)) for more in range(digits, _MOST_DIGITS))
+    shown = ((more, round_digits(value, more)) for more in range(digits, _MOST_DIGITS))
     sides = (more for more, one in shown if (one > limit, one < limit) == (value > limit, value < limit))
     return next(sides, _MOST_DIGITS)
 
 
-def format_beside(value: float, limit: float, digits: int) -> str:
+def format_at_limit(value: float, limit: float, digits: int) -> str:
     """A number with `digits_beside` its limit, without zeros at its end.
 
     Parameters
@@ -531,10 +533,10 @@ def format_beside(value: float, limit: float, digits: int) -> str:
     >>> format_beside(7213.0, 6800.0, 2), format_beside(7213.0, 7200.0, 2), format_beside(1.004, 1.0, 2)
     ('7200', '7210', '1.004')
     """
-    return f"{rounded(value, digits_beside(value, limit, digits)):.{_MOST_DIGITS}g}"
+    return f"{round_digits(value, digits_at_limit(value, limit, digits)):.{_MOST_DIGITS}g}"
 
 
-def fixed_beside(name: str, value: float, limit: float, digits: int) -> str:
+def fixed_at_limit(name: str, value: float, limit: float, digits: int) -> str:
     """An SI value in a `fixed_unit`, with `digits_beside` its limit as it is written, without zeros at its end.
 
     Parameters
@@ -550,7 +552,7 @@ def fixed_beside(name: str, value: float, limit: float, digits: int) -> str:
     '7210 MPa'
     """
     unit = fixed_unit(name)
-    return f"{format_beside(unit.of(value), rounded(unit.of(limit), DIGITS), digits)} {unit.name}"
+    return f"{format_at_limit(unit.of(value), round_digits(unit.of(limit), DIGITS), digits)} {unit.name}"
 
 
 def fixed_quantity(name: str, value: float, digits: int = DIGITS) -> str:
@@ -562,7 +564,7 @@ def fixed_quantity(name: str, value: float, digits: int = DIGITS) -> str:
     ('12730 MPa', '370 um')
     """
     unit = fixed_unit(name)
-    return f"{rounded(unit.of(value), digits):.{_MOST_DIGITS}g} {unit.name}"
+    return f"{round_digits(unit.of(value), digits):.{_MOST_DIGITS}g} {unit.name}"
 
 
 def superscript(power: int) -> str:
@@ -581,10 +583,10 @@ def quantity(kind: str, value: float | None, digits: int = 3) -> str:
 def format_quantity(kind: str, value: float, digits: int = 6) -> str:
     """An SI value as it was probably written in the input: "20 bar", without zeros that nobody wrote."""
     unit = unit_for(kind, value)
-    return f"{trimmed(unit.of(value), digits)} {unit.name}"
+    return f"{trim_zeros(unit.of(value), digits)} {unit.name}"
 
 
-def trimmed(value: float, digits: int = 6) -> str:
+def trim_zeros(value: float, digits: int = 6) -> str:
     """A number with up to so many significant digits and no trailing zeros."""
     text, *power = number(value, digits).split("·")
     return "·".join([text.rstrip("0").rstrip(".") if "." in text else text, *power])
@@ -595,10 +597,10 @@ def quantity_worth(kind: str, value: float, digits: int) -> str:
     if not math.isfinite(value):
         return "–"
     unit = unit_for(kind, value)
-    return f"{_in_sentence(unit.of(value), digits)} {unit.name}"
+    return f"{_sentence_number(unit.of(value), digits)} {unit.name}"
 
 
-def _in_sentence(value: float, digits: int) -> str:
+def _sentence_number(value: float, digits: int) -> str:
     return format_digits(value, digits) if digits < DIGITS else number(value)
 
 
@@ -642,7 +644,7 @@ class LeakVolume:
         volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
         unit = unit_for("temperature", temperature)
         at = format_quantity("fluid pressure", STANDARD_PRESSURE)
-        state = f"{trimmed(round(unit.of(temperature), 1))} {unit.name} and {at}"
+        state = f"{trim_zeros(round(unit.of(temperature), 1))} {unit.name} and {at}"
         return cls(state, volume / 3600.0, "a molecule per hour")
 
     @property
@@ -654,7 +656,7 @@ class LeakVolume:
         """A leak rate, or zero where nobody could measure it [m^3/s]."""
         return 0.0 if 0.0 < leak_rate < self.least else leak_rate
 
-    def named(self, unit: Unit) -> Unit:
+    def name_unit(self, unit: Unit) -> Unit:
         """A unit with the state behind it, for headings and axes.
 
         Examples
@@ -745,7 +747,7 @@ def leak_range_text(
     if high == math.inf:
         return f"at least {quantity_worth('flow', low, digits)}"
     unit = flow_unit((low, high, *beside)) or shared_flow_unit((low, high))
-    return f"{range_text(*(_in_sentence(unit.of(one), digits) for one in (low, high)))} {unit.name}"
+    return f"{range_text(*(_sentence_number(unit.of(one), digits) for one in (low, high)))} {unit.name}"
 
 
 def flow_unit(leak_rates: Collection[float]) -> Unit | None:
@@ -817,10 +819,10 @@ def share_text(share: float) -> str:
     >>> share_text(0.05), share_text(0.0123), share_text(0.997)
     ('5 %', '1.2 %', '100 %')
     """
-    return f"{rounded(100 * share, 2):g} %"
+    return f"{round_digits(100 * share, 2):g} %"
 
 
-def briefly(kind: str, value: float) -> str:
+def short_quantity(kind: str, value: float) -> str:
     """An SI value with four digits and no zeros at its end: "43.29 kN".
 
     Examples
@@ -828,7 +830,7 @@ def briefly(kind: str, value: float) -> str:
     >>> briefly("force", 43294.3), briefly("force", 250.0)
     ('43.29 kN', '250 N')
     """
-    return format_quantity(kind, rounded(value, 4))
+    return format_quantity(kind, round_digits(value, 4))
 
 
 def split_unit(column: str) -> tuple[str, str]:
@@ -903,13 +905,13 @@ _PLAIN: dict[str, Callable[..., str]] = {
     "number": number,
     "percent": percent,
     "strain": strain_text,
-    "trimmed": trimmed,
+    "trimmed": trim_zeros,
     "worth": format_digits,
 }
 _WITH_UNIT: dict[str, Callable[..., str]] = {"given": format_quantity, "worth": quantity_worth}
 
 
-def written(value: Any, how: str) -> str:
+def format_value(value: Any, how: str) -> str:
     """A number in the format that words and templates ask for; of a tuple both ends.
 
     Parameters
@@ -934,7 +936,7 @@ def written(value: Any, how: str) -> str:
     '290.1 psi'
     """
     if isinstance(value, tuple):
-        return range_text(*(written(one, how) for one in value))
+        return range_text(*(format_value(one, how) for one in value))
     first, *rest = how.split()
     if not first[0].isalpha() or first == "g":
         unit = fixed_unit(" ".join(rest)) if rest else None
@@ -962,7 +964,7 @@ def _numbers_and_units() -> re.Pattern[str]:
     return re.compile(rf"((?<=[\d⁰¹²³⁴-⁹]) |(?<=\[))({'|'.join(map(re.escape, reversed(names)))})(?![\w/·])")
 
 
-def unbroken(text: str) -> str:
+def keep_units_together(text: str) -> str:
     r"""A text of a page whose lines do not end between a number and its unit, nor within the unit of a heading.
 
     Examples
@@ -977,10 +979,10 @@ class _Sentence(string.Formatter):
     """Fills values in, in the format of their braces: "{load.fluid_pressure:given fluid pressure}"."""
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        return written(value, format_spec) if format_spec else str(value)
+        return format_value(value, format_spec) if format_spec else str(value)
 
 
-def filled(sentence: str, values: Mapping[str, object]) -> str:
+def fill_sentence(sentence: str, values: Mapping[str, object]) -> str:
     """A sentence of words.toml with its values; numbers are `written` in the format behind their colon.
 
     Parameters

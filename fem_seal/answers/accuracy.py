@@ -15,7 +15,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
-from fem_seal.profile import tightest
+from fem_seal.profile import tightest_profile
 from fem_seal.seal.load_result import DiscretisationError, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed, larger_housing
@@ -55,7 +55,7 @@ class Comparison:
     @classmethod
     def of(cls, name: str, contact: ContactSolution, leak: LeakResult | None) -> Comparison:
         """The numbers of a contact that are compared: of the line that is pressed hardest."""
-        profile = tightest(contact.profiles)
+        profile = tightest_profile(contact.profiles)
         rate = None if leak is None else leak.leak_rate
         return cls(name, profile.peak_pressure, profile.fwhm, profile.std, rate)
 

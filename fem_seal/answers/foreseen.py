@@ -15,7 +15,7 @@ from fem_seal.loads import CONSTRAINT, LARGEST_EXCESS, plastic_half_width
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.problem import SealProblem, sizing
-from fem_seal.units import briefly, fixed_quantity
+from fem_seal.units import fixed_quantity, short_quantity
 from fem_seal.validity.words import not_calculated, sentence
 
 # Largest von Mises stress under Hertz's line contact over its peak pressure, in plane strain (K. L. Johnson, Contact
@@ -85,9 +85,11 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
         text = sentence(
             "foreseen",
             material=material.name,
-            first=briefly("force", min(above)),
+            first=short_quantity("force", min(above)),
             # only the forces of the case are looked at: where between two of them it begins is not known
-            not_yet=sentence("foreseen", "not_yet", force=briefly("force", max(below))) if below else "",
+            not_yet=sentence("foreseen", "not_yet", force=short_quantity("force", max(below)))
+            if below
+            else "",
             # two digits, or as many as say that it is above one
             excess=f"{excess:.2g}" if excess >= 1.05 else f"{max(excess, 1.01):.2f}",
             limit=fixed_quantity("MPa", limit, 3),

@@ -11,8 +11,8 @@ import numpy as np
 
 from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.errors import InputError, QuantityError, TextTableError
-from fem_seal.files import column, name_and_unit, read_any_text, without_extremes
-from fem_seal.units import format_quantity, parse_quantity, written
+from fem_seal.files import column, drop_extremes, name_and_unit, read_any_text
+from fem_seal.units import format_quantity, format_value, parse_quantity
 from leak.errors import TableError
 from leak.text_tables import TextTable, read_tables
 from meshes import ContactGeometry
@@ -143,7 +143,7 @@ def _steps(table: TextTable) -> Iterator[_Step]:
         line, row = table.lines[lost[0]], table.rows[lost[0]]
         raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(numbers)} finite numbers')
     given = table.header
-    table = without_extremes(_with_units(table, roles))
+    table = drop_extremes(_with_units(table, roles))
     units = [name_and_unit(name)[1] for name, own in zip(table.header, given, strict=True) if name != own]
     assumed = table.header[roles["pressure"][0]] != given[roles["pressure"][0]]
     remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if assumed else ""
@@ -515,4 +515,4 @@ def _merged(
 
 
 def _mm(length: float) -> str:
-    return written(length, ".4g mm").replace("-", "−")
+    return format_value(length, ".4g mm").replace("-", "−")

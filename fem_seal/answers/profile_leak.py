@@ -11,7 +11,7 @@ import numpy as np
 from fem_seal.answers.case_load import CaseLoad, case_loads
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.errors import InputError, Problem
-from fem_seal.profile import PressureProfile, joined
+from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -149,4 +149,4 @@ def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProf
         outer = ends[0] if number == 0 else None, ends[1] if number == len(parts) - 1 else None
         weight, gap = 0.5 * (steps[1:] + steps[:-1]), np.full(len(rows), math.nan)
         lands.append(PressureProfile(own, radius[rows], profile.pressure[rows], gap, weight, outer))
-    return joined(lands)
+    return join_lands(lands)

@@ -15,7 +15,7 @@ from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
 from fem_seal.seal.scenarios import SCENARIOS, problem_in
-from fem_seal.units import briefly, format_quantity, quantity
+from fem_seal.units import format_quantity, quantity, short_quantity
 from fem_seal.validity.checks import target_cautions, target_validity
 from fem_seal.validity.words import sentence
 
@@ -57,7 +57,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
     name = "too_small" if zero.end is End.HIGHEST else "always_met"
     largest = math.exp(highest)
     least = _rate(flow.expected_rate(largest, fluid_pressure), target)
-    values = {"force": briefly("force", largest), "leaves": least, "pressure": fluid_pressure}
+    values = {"force": short_quantity("force", largest), "leaves": least, "pressure": fluid_pressure}
     raise target_problem(problem, name, target, **values)
 
 
@@ -200,7 +200,7 @@ def _at_target(
             why = "stopped"
         elif trials.unreached is not None:
             why = "not_reached"
-        force, leaves = briefly("force", load.contact_force), _rate(_leak_rate(load), target)
+        force, leaves = short_quantity("force", load.contact_force), _rate(_leak_rate(load), target)
         raise target_problem(problem, why, target, force=force, leaves=leaves, pressure=pressure)
     if problem.loads.unsolved_bolts is None:
         return load

@@ -29,7 +29,7 @@ from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import with_own_contacts
-from fem_seal.units import briefly
+from fem_seal.units import short_quantity
 from fem_seal.validity.checks import load_validity
 from fem_seal.validity.words import sentence
 
@@ -355,7 +355,7 @@ class _Search:
         load = self._load(at)
         if load is None:
             return None
-        self._tell(f"the whole run with {briefly('force', load.applied_force)} applied")
+        self._tell(f"the whole run with {short_quantity('force', load.applied_force)} applied")
         try:
             return self.alone(load.fluid_pressure, load.applied_force)
         except (ConvergenceError, InputError):
@@ -386,7 +386,7 @@ class _Search:
 
     def _load(self, at: float) -> CaseLoad | None:
         if at not in self.tried:
-            self._tell(f"a contact force of {briefly('force', math.exp(at))}")
+            self._tell(f"a contact force of {short_quantity('force', math.exp(at))}")
             try:
                 (load,) = case_loads(self.result.problem, [self.trials.load(at)])
             except (ConvergenceError, InputError, OpenSealError):
@@ -397,7 +397,7 @@ class _Search:
         return self.tried[at]
 
     def _tell(self, tried: str) -> None:
-        at = briefly("fluid pressure", self.load.fluid_pressure)
+        at = short_quantity("fluid pressure", self.load.fluid_pressure)
         self.progress(f"force with which the verdict passes at {at}: trying {tried}")
 
     def _why_none(self, zero: Zero | None) -> str:
@@ -408,7 +408,7 @@ class _Search:
         highest = sensible_forces(self.result.problem)[1]
         load, after = self._load(zero.place), self._load(min(zero.place + _ACCURACY, highest))
         stopped = 0.0 if load is None else load.contact.stop_force
-        force = "that" if load is None else briefly("force", load.applied_force - stopped)
+        force = "that" if load is None else short_quantity("force", load.applied_force - stopped)
         outside = after is not None and after.validity.outside
         kind = "stopped" if stopped else "outside" if outside else "strains"
         ends = sentence("verdict_force", kind, load=after)

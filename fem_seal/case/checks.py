@@ -20,8 +20,8 @@ from fem_seal.case.words import load_problem, problem, sentence
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.files import UnreadableFileError, check_file
 from fem_seal.loads import CONSTRAINT, LARGEST_TURNING, contact_force, line_load, plastic_half_width
-from fem_seal.units import briefly
 from fem_seal.units import format_quantity as written
+from fem_seal.units import short_quantity
 from meshes import ContactGeometry, GeometryError
 from meshes.errors import mm
 from meshes.geometry.contact_geometry import facets_at
@@ -474,7 +474,7 @@ def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterato
     elif standard != RELIEF and required.rated_pressure is None:
         yield problem("rated_pressure_missing")
     elif (held := case.set_pressure) and any(not one.pressure(held) > 0.0 for one in required.tests(gas=gas)):
-        yield problem("set_pressure_of_test", held=briefly("fluid pressure", held))
+        yield problem("set_pressure_of_test", held=short_quantity("fluid pressure", held))
 
 
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
@@ -648,7 +648,7 @@ def check_formed(case: CaseTables) -> None:
         raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
     formed = case.expected_force(*load.earlier)
     if formed < largest * (1 - 1e-6):
-        forces = {"formed": briefly("force", formed), "largest": briefly("force", largest)}
+        forces = {"formed": short_quantity("force", formed), "largest": short_quantity("force", largest)}
         raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))
 
 
@@ -682,14 +682,14 @@ def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: flo
     if holds:
         return None
     if case.bolts is not None:
-        said = {"force": briefly("force", needed), "applied": briefly("force", applied_force)}
+        said = {"force": short_quantity("force", needed), "applied": short_quantity("force", applied_force)}
         return load_problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **said)
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure,
         **case.labels,
         how=f"lifts the {case.label_of('closure')} with" if lifts else "closes with",
-        force=briefly("force", abs(needed)),
+        force=short_quantity("force", abs(needed)),
         radius=mm(r0),
         needed=needed,
         applied=applied_force,
@@ -719,7 +719,10 @@ def _strain_problem(
     for name, share, strength in limits:
         most = share * strength * length
         if f > most:
-            said = {"force": briefly("force", force), "most": briefly("force", force * most / f)}
+            said = {
+                "force": short_quantity("force", force),
+                "most": short_quantity("force", force * most / f),
+            }
             return load_problem(name, "strain", **said, length=mm(length), share=share, lower=lower)
     if not hardened or any(len(curve.stress) == 1 for curve in curves(case)):
         # what a body bears that does not harden is found on the way to the load
@@ -730,7 +733,7 @@ def _strain_problem(
     if turned <= MOST_TURNED:
         return None
     share = _largest_share(lambda share: turning(contact, share * half_width) <= LARGEST_TURNING)
-    said = {"force": briefly("force", force), "most": briefly("force", force * share)}
+    said = {"force": short_quantity("force", force), "most": short_quantity("force", force * share)}
     limits_of = {"turned": turned, "largest": LARGEST_TURNING}
     return load_problem("turned", "strain", **said, **limits_of, width=2 * half_width, lower=lower)
 

@@ -11,7 +11,7 @@ from fem_seal.case.tables import CaseTables, Load
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.materials import ROOM_TEMPERATURE
-from fem_seal.units import briefly
+from fem_seal.units import short_quantity
 
 
 def closed_by(load: Load, table: BoltsTable) -> Load:
@@ -104,6 +104,6 @@ def problems_of_bolts(case: CaseTables, table: BoltsTable) -> list[Problem]:
         return found + [replace(one, key=f"bolts.{one.key.removeprefix('bolts.')}") for one in error.problems]
     least = min(force for _, force in case.load.points)
     if bolts is not None and not least + bolts.thermal_force > 0:
-        lost = briefly("force", -bolts.thermal_force)
-        found.append(problem("bolts_loose", lost=lost, preload=briefly("force", least)))
+        lost = short_quantity("force", -bolts.thermal_force)
+        found.append(problem("bolts_loose", lost=lost, preload=short_quantity("force", least)))
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fem_seal.errors import LoadProblem, Problem
 from fem_seal.files import own_tables, sentence
-from fem_seal.units import filled
+from fem_seal.units import fill_sentence
 
 
 def problem(name: str, /, **values: object) -> Problem:
@@ -18,7 +18,9 @@ def problem(name: str, /, **values: object) -> Problem:
         What the words have in braces.
     """
     words = own_tables("problems.toml")[name]
-    return Problem(*(filled(words[part], values) for part in ("key", "text", "value") if part in words))
+    return Problem(
+        *(fill_sentence(words[part], values) for part in ("key", "text", "value") if part in words)
+    )
 
 
 def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProblem:

@@ -136,21 +136,21 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
 def _show_remarks(designs: Designs) -> None:
     """How many designs pass often enough, and whether a better one may lie outside of the ranges."""
     from fem_seal.studies.display import Display
-    from fem_seal.studies.page import at_edge, passing_words
+    from fem_seal.studies.page import edge_sentence, passing_words
 
     display = Display(designs)
-    for told in filter(None, (passing_words(display), at_edge(display))):
+    for told in filter(None, (passing_words(display), edge_sentence(display))):
         say(told)
 
 
 def _show_best(designs: Designs) -> None:
     """Print the best designs side by side, as many as fit; numbers are never cut."""
     from fem_seal.studies.display import Display
-    from fem_seal.studies.page import outside_left_out
+    from fem_seal.studies.page import left_out_sentence
 
-    numbers, columns = Display(designs).best(_BEST)
+    numbers, columns = Display(designs).describe_best(_BEST)
     if designs.about["goals"] and designs.left_out:
-        say(f"{outside_left_out(designs)}.")
+        say(f"{left_out_sentence(designs)}.")
     if not numbers:
         return
     lines = {"design": [str(number) for number in numbers], **columns}

@@ -84,7 +84,7 @@ def _show(found: LeakMap) -> None:
     """Print the leak rates, one line per pressure, marked where they are not valid."""
     from fem_seal.output.report.words import volumes_of_gas
     from fem_seal.seal.findings import Level
-    from fem_seal.units import digits_within, fixed_unit, rounded
+    from fem_seal.units import digits_within, fixed_unit, round_digits
 
     # a volume too small to be seen in ml is read in its power of ten
     fluid, flow, newton = (fixed_unit(name) for name in ("bar", "ml/min", "N"))
@@ -99,7 +99,7 @@ def _show(found: LeakMap) -> None:
                 continue
             # as in the tables of a run: no more digits than the error of the theory allows
             digits = min(3, digits_within(one.leak_error))
-            rate = rounded(flow.of(float(found.leak_rate[m, n])), digits)
+            rate = round_digits(flow.of(float(found.leak_rate[m, n])), digits)
             rows[m].append(f"{rate:.3g}{Level(one.level).mark}")
     terminal.say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
     terminal.show(terminal.numbers_table(headings, rows, narrow=True))

@@ -21,7 +21,7 @@ import typer
 import fem_seal
 from fem_seal.errors import printable
 from fem_seal.files import as_json, own_tables
-from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded, show_in
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, round_digits, show_in
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -466,9 +466,9 @@ def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
         return "-"
     shown = unit.of(value)
     if digits < DIGITS and math.isfinite(value) and value:
-        exponent = math.floor(math.log10(abs(rounded(shown, digits))) + 1e-12)
+        exponent = math.floor(math.log10(abs(round_digits(shown, digits))) + 1e-12)
         if -4 <= exponent < DIGITS:
-            return f"{rounded(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
+            return f"{round_digits(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
     # trailing zeros are kept: columns stay aligned
     return f"{shown:#.{digits}g}".removesuffix(".")
 

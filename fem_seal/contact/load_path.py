@@ -24,7 +24,7 @@ from fem_seal.contact.plastic_step import (
 )
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
 from fem_seal.errors import ConvergenceError, LimitLoadError, LongPathError, OpenSealError
-from fem_seal.units import briefly
+from fem_seal.units import short_quantity
 
 
 @dataclass(frozen=True)
@@ -572,8 +572,9 @@ class _Walk:
             label = self.model.bodies[body].held.label
             flows = f"The {label} flows in one place there, to a plastic strain of {100 * strain:.2g} %. "
         return LongPathError(
-            f"{briefly('force', at.force)} of {briefly('force', end.force)} are reached after {tried} load steps that "
-            f"were tried, {100 * way:.2g} % of the way; the next one could be no longer than {100 * step:.2g} % of it. "
+            f"{short_quantity('force', at.force)} of {short_quantity('force', end.force)} are reached after "
+            f"{tried} load steps that were tried, {100 * way:.2g} % of the way; the next one could be no longer "
+            f"than {100 * step:.2g} % of it. "
             f"{flows}Lower the load, round the edge that is pressed in more, or give a stress_strain table that hardens"
         )
 
@@ -594,8 +595,8 @@ class _Walk:
         body = max(here.states, key=lambda name: _yielded_share(here.states[name]))
         label = self.model.bodies[body].held.label
         return LimitLoadError(
-            f"the {label} yields through: it bears {briefly('force', at.force)} and flows without limit under more. "
-            "Lower the load, give a stress_strain table that hardens, or take a thicker body",
+            f"the {label} yields through: it bears {short_quantity('force', at.force)} and flows without "
+            "limit under more. Lower the load, give a stress_strain table that hardens, or take a thicker body",
             label,
         )
 

@@ -15,7 +15,7 @@ from fem_seal.bodies.elasticity import without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
-from fem_seal.profile import PressureProfile, joined, tightest
+from fem_seal.profile import PressureProfile, join_lands, tightest_profile
 from fem_seal.units import quantity
 
 
@@ -217,12 +217,12 @@ class ContactSolution:
     @cached_property
     def whole(self) -> PressureProfile:
         """All of the contact as one profile."""
-        return joined(self.profiles)
+        return join_lands(self.profiles)
 
     @property
     def profile(self) -> PressureProfile:
         """Nominal pressure profile on the land that is pressed hardest."""
-        return tightest(self.profiles)
+        return tightest_profile(self.profiles)
 
     def after(self, earlier: ContactSolution | None) -> Self:
         """The same contact after an earlier one on the same line, and after all that this one remembers.

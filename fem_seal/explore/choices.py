@@ -75,7 +75,7 @@ def pictures_of(case: Case) -> dict[str, list[Picture]]:
     has = {"closure": case.closure.shape, case.key_of("seat"): case.lower.shape}
     return {
         row: [
-            Picture(f"{row}.{shape}", words["name"], _drawn(row, shape), has.get(row) == shape)
+            Picture(f"{row}.{shape}", words["name"], _draw_shape(row, shape), has.get(row) == shape)
             for shape, words in _SHAPES[row].items()
         ]
         for row in ROWS
@@ -102,7 +102,7 @@ def choices_of(case: Case) -> dict[str, list[Choice]]:
     }
 
 
-def changed(case: Case, key: str, value: str) -> Case:
+def apply_choice(case: Case, key: str, value: str) -> Case:
     """The case after a choice.
 
     Parameters
@@ -120,16 +120,16 @@ def changed(case: Case, key: str, value: str) -> Case:
     """
     row, _, shape = key.partition(".")
     if row in ROWS and shape in _SHAPES[row]:
-        return _reshaped(case, row, shape)
+        return _set_shape(case, row, shape)
     known = {choice.key: choice for several in choices_of(case).values() for choice in several}
     if key not in known or (known[key].options and value not in {o["value"] for o in known[key].options}):
         raise InputError.at(key, "is no choice of the page")
     if key == "requirement":
-        return _requiring(case, value)
+        return _set_requirement(case, value)
     if key == "requirement.rated_capacity" and not (case.requirement and case.requirement.standard):
         return case.replace_written({**required_class(str(case), _OF_RATED_FLOW), key: value.strip() or None})
     if key == "fluid.name":
-        return _with_fluid(case, value)
+        return _set_fluid(case, value)
     if key.endswith(" height"):
         path = key.removesuffix(" height")
         table = _face(case, path)
@@ -162,7 +162,7 @@ def _fluid(case: Case) -> Iterator[Choice]:
         yield Choice("fluid.name", "fluid", own, _options(list(dict.fromkeys([own, *FLUIDS, *GASES]))))
 
 
-def _with_fluid(case: Case, name: str) -> Case:
+def _set_fluid(case: Case, name: str) -> Case:
     """The case with another fluid of the library, at the temperature of its own."""
     from leak import is_gas
 
@@ -220,7 +220,7 @@ def _requirement(case: Case) -> Iterator[Choice]:
     )
 
 
-def _requiring(case: Case, value: str) -> Case:
+def _set_requirement(case: Case, value: str) -> Case:
     if value == NONE:
         return case.replace_written({"requirement": None})
     if value == LEAK_RATE:
@@ -241,12 +241,12 @@ def _form(case: Case, lower: str) -> Iterator[Choice]:
             yield Choice(f"form.{body}.tolerance", f"roundness, {body}", own, hint="round")
 
 
-def _scaled(entry: Any, factor: float) -> Any:
+def _scale_lengths(entry: Any, factor: float) -> Any:
     """Lengths of a table times a factor, as they would be written."""
     if isinstance(entry, Mapping):
-        return {key: _scaled(part, factor) for key, part in entry.items()}
+        return {key: _scale_lengths(part, factor) for key, part in entry.items()}
     if isinstance(entry, list):
-        return [_scaled(part, factor) for part in entry]
+        return [_scale_lengths(part, factor) for part in entry]
     number, _, unit = str(entry).partition(" ")
     return f"{float(number) * factor:.4g} mm" if unit == "mm" else entry
 
@@ -260,18 +260,18 @@ def _tables(row: str, shape: str, factor: float = 1.0) -> dict[str, dict[str, An
     else:
         beside = "seat" if row == "closure" else "closure"
         found = {row: own, beside: {"shape": other, **_SHAPES[beside][other]["table"]}}
-    return {body: _scaled(table, factor) for body, table in found.items()}
+    return {body: _scale_lengths(table, factor) for body, table in found.items()}
 
 
 @cache
-def _shown_with(row: str, shape: str) -> Case:
+def _case_of_shape(row: str, shape: str) -> Case:
     """A case with a shape, of usual dimensions."""
     inner = {"load": {"fluid_pressure": "1 bar", "applied_force": "10 kN", "pressure_side": "inner"}}
     tables = {body: {**table, "material": "steel"} for body, table in _tables(row, shape).items()}
     return load_case({**tables, "interface": {"law": "smooth"}, **inner})
 
 
-def _reshaped(case: Case, row: str, shape: str) -> Case:
+def _set_shape(case: Case, row: str, shape: str) -> Case:
     """The case with another shape: the other body stays if they fit together, else both have usual dimensions.
 
     The circle of first touch, loads, materials and surfaces stay; a force that would not close the seal is doubled to
@@ -282,7 +282,9 @@ def _reshaped(case: Case, row: str, shape: str) -> Case:
         body: case.written[own]["material"]
         for body, own in (("closure", "closure"), ("seat", lower), ("gasket", lower))
     }
-    both = _tables(row, shape, case.initial_contact_radius / _shown_with(row, shape).initial_contact_radius)
+    both = _tables(
+        row, shape, case.initial_contact_radius / _case_of_shape(row, shape).initial_contact_radius
+    )
     new = {body: {**table, "material": materials[body]} for body, table in both.items()}
     alone = {row: new[row]}
     fits = row == lower or (row == "closure" and lower == "seat")
@@ -292,7 +294,7 @@ def _reshaped(case: Case, row: str, shape: str) -> Case:
             body: None for body in ("seat", "gasket") if body not in {lower, *tables} or _ends(body, tables)
         }
         try:
-            return _closed(case, {**gone, **tables})
+            return _close_seal(case, {**gone, **tables})
         except (SealError, MeshesError, ValueError) as error:
             failure = error
     raise failure if isinstance(failure, InputError) else InputError.at(row, str(failure))
@@ -302,7 +304,7 @@ def _ends(body: str, tables: Mapping[str, Any]) -> bool:
     return {"seat": "gasket", "gasket": "seat"}[body] in tables
 
 
-def _closed(case: Case, tables: Mapping[str, Any]) -> Case:
+def _close_seal(case: Case, tables: Mapping[str, Any]) -> Case:
     """The case with other bodies, and with a force that closes them."""
     bodies = dict(tables)
     if "gasket" in bodies and bodies["gasket"] is not None:
@@ -326,9 +328,9 @@ _CLOSURE, _SEAT, _LINE = "#8fb4dd", "#d3b98c", "#5b6675"
 
 
 @cache
-def _drawn(row: str, shape: str) -> str:
+def _draw_shape(row: str, shape: str) -> str:
     """A small section of a shape with its partner, as the source of an image."""
-    case = _shown_with(row, shape)
+    case = _case_of_shape(row, shape)
     section: Section = section_of(case)
     r0 = section.initial_contact_radius
     wide, high = 1.5 * r0, 1.0 * r0

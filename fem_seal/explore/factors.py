@@ -73,7 +73,7 @@ class Factor:
         value = self.value(text)
         return min(range(len(self.stops)), key=lambda n: abs(self.value(self.stops[n]) - value))
 
-    def wrong(self, text: str) -> str:
+    def find_error(self, text: str) -> str:
         """What is wrong with a text: no such quantity, or beyond the ends of the slider; empty if it may stand here."""
         try:
             value = self.value(text)
@@ -111,7 +111,7 @@ class Factors:
     left_out: tuple[str, ...]
 
     @property
-    def given(self) -> dict[str, str]:
+    def base_design(self) -> dict[str, str]:
         """The design that is the case itself."""
         return {factor.key: factor.given for factor in self.sliders}
 
@@ -120,14 +120,14 @@ class Factors:
         """What all parts of a design are called, by their keys."""
         return {factor.key: factor.label for factor in self.sliders}
 
-    def named(self, entry: str) -> str:
+    def factor_key(self, entry: str) -> str:
         """Key of the factor that sets an entry of a case, by its path or its label; empty if none does."""
         for factor in self.sliders:
             if entry == factor.label or same_entry(entry) in map(same_entry, factor.paths):
                 return factor.key
         return ""
 
-    def wrong(self, texts: Mapping[str, str]) -> dict[str, str]:
+    def find_errors(self, texts: Mapping[str, str]) -> dict[str, str]:
         """What is wrong with texts, by the keys of their factors.
 
         Parameters
@@ -136,7 +136,7 @@ class Factors:
             From keys of factors to texts; others are left out.
         """
         found = {
-            factor.key: factor.wrong(texts[factor.key]) for factor in self.sliders if factor.key in texts
+            factor.key: factor.find_error(texts[factor.key]) for factor in self.sliders if factor.key in texts
         }
         return {key: message for key, message in found.items() if message}
 
@@ -160,11 +160,11 @@ class Factors:
             text = design.get(factor.key, factor.given)
             if text == factor.given:
                 continue
-            if message := factor.wrong(text):
+            if message := factor.find_error(text):
                 problems.append(Problem(factor.label, message, f'"{text}"'))
             elif factor.group == "load":
                 (path,) = factor.paths
-                moved = _scaled(getattr(case.load, path.removeprefix("load.")), factor, text)
+                moved = _scale_values(getattr(case.load, path.removeprefix("load.")), factor, text)
                 found[path] = moved
                 if (
                     factor.key == "fluid_pressure"
@@ -192,13 +192,13 @@ def factors_of(case: Case) -> Factors:
     ]
     system = case.report.units
     sliders = [
-        _in_system(factor, system) if system else factor for factor in found if isinstance(factor, Factor)
+        _convert_texts(factor, system) if system else factor for factor in found if isinstance(factor, Factor)
     ]
     left_out = [factor for factor in found if isinstance(factor, str)]
     return Factors(tuple(sliders), tuple(left_out))
 
 
-def _in_system(factor: Factor, system: System) -> Factor:
+def _convert_texts(factor: Factor, system: System) -> Factor:
     """A factor with its texts in the units of a system; its own value stays the very one of the case."""
     written, value = factor.given.partition(" ")[2], factor.value(factor.given)
     unit = unit_like(written, factor.dimension, value or factor.value(factor.stops[-1]), system)
@@ -211,7 +211,7 @@ def _in_system(factor: Factor, system: System) -> Factor:
     return replace(factor, stops=texts, given=f"{stops[factor.place]} {name}")
 
 
-def opened(case: Case) -> Case:
+def open_materials(case: Case) -> Case:
     """The case with materials of the library written as tables where a slider moves a part of one."""
     paths = [path for factor in _hardness(case) if isinstance(factor, Factor) for path in factor.paths]
     return with_open_materials(case, paths)
@@ -235,7 +235,7 @@ def _force(case: Case) -> Found:
         return ["The force of the case opens the seal: it is not offered as a slider."]
     # where there is none, to the size of what the fluid does
     reach = 2 * math.pi * case.initial_contact_radius**2 * max(case.load.fluid_pressure)
-    stops = None if largest else _even(0.0, reach)
+    stops = None if largest else _space_evenly(0.0, reach)
     return [_of_loads(case, "force", "applied_force", "force", forces, stops)]
 
 
@@ -307,7 +307,7 @@ def _hardness(case: Case) -> Found:
     )
     note = "of the softer body; beyond that of the other one it changes nothing"
     label, paths = f"hardness, {body}", (f"{body}.material.hardness",)
-    values = _geometric(hardness, 3.0)
+    values = _space_geometrically(hardness, 3.0)
     return [_factor("hardness", label, "surface", paths, "pressure", hardness, values=values, note=note)]
 
 
@@ -352,23 +352,23 @@ def _of_dimension(dimension: str, key: str, label: str, written: object, paths: 
     """The factor of an angle or a length; none where there is no room to move it."""
     value = _number(dimension, written)
     if dimension == "length":
-        values, room = _geometric(value, _NARROW), value > 0
+        values, room = _space_geometrically(value, _NARROW), value > 0
     else:
         degrees = math.degrees(value)
         full = 180.0 if key.endswith("included_angle") else 90.0
         low, high = max(0.02 * full, degrees - full / 6), min(0.97 * full, degrees + full / 6)
-        values, room = [*_even(math.radians(low), math.radians(high)), value], low < degrees < high
+        values, room = [*_space_evenly(math.radians(low), math.radians(high)), value], low < degrees < high
         written = None
     return [_factor(key, label, "dimension", paths, dimension, value, written, values)] if room else []
 
 
-def _geometric(value: float, width: float) -> list[float]:
+def _space_geometrically(value: float, width: float) -> list[float]:
     """Values that grow by the same share, as far to both sides of one."""
     ratio = 2 * math.log(width) / _STOPS
     return [value * math.exp(ratio * n) for n in range(-_STOPS // 2, _STOPS // 2 + 1)]
 
 
-def _even(low: float, high: float) -> list[float]:
+def _space_evenly(low: float, high: float) -> list[float]:
     return [low + (high - low) * n / _STOPS for n in range(_STOPS + 1)]
 
 
@@ -384,7 +384,7 @@ def _factor(
     note: str = "",
 ) -> Factor:
     """A factor whose stops have three significant digits, but for its own value, which is as the case has it."""
-    values = _geometric(value, _WIDE) if values is None else values
+    values = _space_geometrically(value, _WIDE) if values is None else values
     unit, size = _unit(dimension, value or max(values), text)
     texts = {}
     for stop in sorted(values):
@@ -412,7 +412,7 @@ def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:
     return unit.name.replace("µ", "u"), unit.size
 
 
-def _scaled(values: float | Sequence[float], factor: Factor, text: str) -> str | list[str]:
+def _scale_values(values: float | Sequence[float], factor: Factor, text: str) -> str | list[str]:
     """Values of a list in their old proportions, the largest as it stands in a text; the text for one alone."""
     if isinstance(values, float) or len(values) == 1:
         return text

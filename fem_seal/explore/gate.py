@@ -129,7 +129,7 @@ def _send_headers(page: Dash) -> None:
         return response
 
 
-def answered(callback: Callable[..., Any]) -> Callable[..., Any]:
+def report_defects(callback: Callable[..., Any]) -> Callable[..., Any]:
     """A callback whose own failures are told from questions that are none."""
 
     @wraps(callback)
@@ -148,7 +148,7 @@ def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> 
     def line(code: int, text: str) -> Response:
         return Response(f"{printable(text)}\n", code, mimetype="text/plain")
 
-    def refused(error: Exception) -> Response:
+    def answer_http_error(error: Exception) -> Response:
         if isinstance(error, HTTPException):
             reason = error.description or error.name
             return line(error.code or 500, reason)
@@ -163,7 +163,7 @@ def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> 
 
     # dash has an answer of its own to some of them
     for kind in (Exception, InvalidResourceError):
-        page.server.register_error_handler(kind, refused)
+        page.server.register_error_handler(kind, answer_http_error)
 
 
 T = TypeVar("T")
@@ -213,7 +213,7 @@ class Entered(BaseModel):
     at: int
 
 
-def checked(kind: type[T], sent: Any, what: str) -> T:
+def validate(kind: type[T], sent: Any, what: str) -> T:
     """A part of a question.
 
     Parameters

@@ -52,7 +52,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     case = warmed(case)
     whole = SealProblem.of(case)
     numbers = live_loads(whole)
-    found, own = solved(case, whole, numbers)
+    found, own = solve_live_loads(case, whole, numbers)
     # the interval of every load is as wide as what its checks find
     seal = answered(solved_seal(found, case), request := Request(found.solver, SILENT), [OPENING])
     loads = [load.with_values(validity=load.validity_by(validity_of, found)) for load in seal.loads]
@@ -86,7 +86,7 @@ def live_loads(whole: SealProblem) -> list[int]:
     return sorted({highest, *(numbers[round(n * steps)] for n in range(most - 1))})
 
 
-def solved(case: Case, whole: SealProblem, numbers: Sequence[int]) -> tuple[Evaluation, int]:
+def solve_live_loads(case: Case, whole: SealProblem, numbers: Sequence[int]) -> tuple[Evaluation, int]:
     """Some loads of a problem, and behind them others that fill the curve; how many with a contact are the case's.
 
     Parameters
@@ -102,7 +102,7 @@ def solved(case: Case, whole: SealProblem, numbers: Sequence[int]) -> tuple[Eval
     if load_seconds(case) < _FILLS:
         # of a gas, and of a seal that is not round, each takes several times as long
         shares = _SHARES if case.form is None and not _of_gas(whole) else (0.5,)
-        between = _between(loads.points, shares, _FEW if case.form is None else 1)
+        between = _fill_curve(loads.points, shares, _FEW if case.form is None else 1)
         loads = replace(loads, points=(*loads.points, *between))
     found = evaluate(replace(whole, loads=loads), SOURCE)
     return found, len(numbers) - sum(number < len(numbers) for number in found.solved.failures)
@@ -112,7 +112,7 @@ def _of_gas(problem: SealProblem) -> bool:
     return problem.flow is not None and problem.flow.gas is not None
 
 
-def _between(
+def _fill_curve(
     points: Sequence[tuple[float, float]], shares: Sequence[float], most: int
 ) -> list[tuple[float, float]]:
     """Loads that fill a curve of at most so many pressures; none where the force changes, too."""

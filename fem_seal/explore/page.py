@@ -19,9 +19,9 @@ from flask import Response, abort, request, send_file
 
 from fem_seal.case.case import case_text, free_name, write_case
 from fem_seal.errors import SealError
-from fem_seal.explore.choices import ROWS, changed, choices_of, pictures_of
+from fem_seal.explore.choices import ROWS, apply_choice, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
-from fem_seal.explore.gate import Design, Entered, PageRequest, answered, checked, refuse
+from fem_seal.explore.gate import Design, Entered, PageRequest, refuse, report_defects, validate
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
@@ -105,7 +105,7 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
         assets_folder=str(folder / "no-assets-of-a-case"),
     )
     app.index_string = _template("explore.html").replace("STYLE", _template("explore.css"))
-    stem = answers.session.given.file.stem if answers.session.given.file else "case"
+    stem = answers.session.base_design.file.stem if answers.session.base_design.file else "case"
     app.layout = lambda: _layout(answers, title, f"{stem}-explored")
     # callbacks that run in the browser, by their names
     scripts = dict(re.findall(r"(?ms)^(?=function (\w+))(.+?^})", _template("explore.js")))
@@ -127,7 +127,7 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
     # the first numbers are read before plotly.js is loaded; dash makes a layout of its own before, to check it
     first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
     begins: dict[str, Any] = {}
-    with shown_in(*session.given.shown):
+    with shown_in(*session.base_design.shown):
         if first is not None and first.load:
             state = _state(first, answers)
             begins = {
@@ -150,7 +150,7 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
             height=look["layout"]["height"],
             begins=begins,
             most=len(PINS),
-            **_controls(session, session.given),
+            **_controls(session, session.base_design),
         )
     return layout
 
@@ -221,7 +221,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
 
     @app.callback(Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))
-    @answered
+    @report_defects
     def ask_for_news(_: Any, before: Any) -> int:
         # a question of its own, which takes no time: the answer of the other one is never overtaken by it
         if answers.news == before:
@@ -245,22 +245,22 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         Input("dark", "data"),
         State("shown", "data"),
     )
-    @answered
+    @report_defects
     def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
         if not sent or dark is None:
             raise PreventUpdate
-        asked = checked(PageRequest, sent, "asked")
+        asked = validate(PageRequest, sent, "asked")
         session = _session(answers, asked.design)
         factors = session.factors
-        shown = checked(dict[str, Any], shown or {}, "shown")
-        before = checked(Design, shown.get("design") or {}, "shown")
+        shown = validate(dict[str, Any], shown or {}, "shown")
+        before = validate(Design, shown.get("design") or {}, "shown")
         screen = answers.answer(asked.design, asked.page, asked.number)
         if screen is None:
             raise PreventUpdate
         if not screen.complete and not screen.problem:
             _settle_later(answers, asked)
-        pinned = [answers.screen(design) for design in _known_pins(answers, pins).values()]
-        state, lost = _state(screen, answers), answers.lost
+        pinned = [answers.screen(design) for design in _place_pins(answers, pins).values()]
+        state, lost = _state(screen, answers), answers.loss_message
         signature = _signature(screen, state, asked.wrong, lost, pins, dark, pinned)
         now = {"signature": signature, "number": asked.number, "design": before}
         # those of the page, which may have other sliders by now
@@ -269,7 +269,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == shown.get("signature"):
             return {**unchanged, "shown": now}
-        wrong = {**refused_words(screen, before), **factors.wrong(asked.wrong)}
+        wrong = {**refused_words(screen, before), **factors.find_errors(asked.wrong)}
         found = {
             **unchanged,
             "wrong": [wrong.get(key, "") for key in keys],
@@ -284,7 +284,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             problem = " ".join(filter(None, said))
             return {**found, "problem": problem, "results": "results stale", "warnings": [], "shown": now}
         designs = designs_shown(screen, pinned)
-        with shown_in(*session.given.shown):
+        with shown_in(*session.base_design.shown):
             drawn = figures(designs, bool(dark))
             return {
                 **found,
@@ -324,7 +324,7 @@ def _state(screen: Screen, answers: Answers) -> str:
         return ""
     if screen.complete:
         return "the numbers of fem-seal run"
-    if given_up := answers.given_up(screen.design):
+    if given_up := answers.failure_reason(screen.design):
         return f"live, without a complete run: {given_up}"
     if screen.waiting:
         return f"calculating: {screen.waiting}"
@@ -347,18 +347,18 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     @app.callback(
         Output("judged", "data"), Input("entered", "data"), State("meta", "data"), prevent_initial_call=True
     )
-    @answered
+    @report_defects
     def judge(entered: Any, meta: Any) -> Any:
         if not entered:
             raise PreventUpdate
-        entered = checked(dict[str, Any], entered, "entered")
-        fields = checked(dict[str, Entered], entered.get("fields"), "entered")
+        entered = validate(dict[str, Any], entered, "entered")
+        fields = validate(dict[str, Entered], entered.get("fields"), "entered")
         typed: dict[str, Any] = {}
-        factors = _session(answers, checked(dict[str, Any], meta, "meta")).factors
+        factors = _session(answers, validate(dict[str, Any], meta, "meta")).factors
         for factor in factors.sliders:
             if (field := fields.get(factor.key)) is None:
                 continue
-            if factor.wrong(field.text):
+            if factor.find_error(field.text):
                 # it stays in its field, beside what is calculated with
                 if not 0 <= field.at < len(factor.stops):
                     refuse("entered")
@@ -394,22 +394,22 @@ def _choose(app: Dash, answers: Answers) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @answered
+    @report_defects
     def choose(*sent: Any) -> Any:
         back, present = sent[-2:]
-        done, said = _done(), ""
-        design = checked(PageRequest, present, "present").design
+        done, said = _read_actions(), ""
+        design = validate(PageRequest, present, "present").design
         session = _session(answers, design)
         who = next((element for element, _ in done), None)
         if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
             try:
                 case = session.case(design)
-                asks = _asks(case, done)
+                asks = _list_choices(case, done)
                 if not asks:
                     raise PreventUpdate
                 for key, value in asks:
-                    case = changed(case, key, value)
-                session = answers.opened(case)
+                    case = apply_choice(case, key, value)
+                session = answers.open_case(case)
                 design = session.design({})
             except SealError as error:
                 said = str(error)
@@ -419,12 +419,12 @@ def _choose(app: Dash, answers: Answers) -> None:
             session = answers.session
             design = session.design({})
         else:
-            design = checked(Design, back, "back")
+            design = validate(Design, back, "back")
             session = _session(answers, design)
         return *_shown_controls(session, design, said), {}
 
 
-def _asks(case: Case, done: Sequence[tuple[Any, Any]]) -> list[tuple[str, str]]:
+def _list_choices(case: Case, done: Sequence[tuple[Any, Any]]) -> list[tuple[str, str]]:
     """Keys and values of all that is chosen otherwise than in a case; what was done last comes last.
 
     A browser that asks again before it has an answer takes no notice of that, and tells only what was done since.
@@ -453,7 +453,7 @@ def _shown_controls(
     """Controls of a design, what scripts know of its case, and its texts."""
     factors = session.factors
     design = session.design(design)
-    if factors.wrong(design):
+    if factors.find_errors(design):
         refuse("design")
     at = {factor.key: factor.nearest(design[factor.key]) for factor in factors.sliders}
     typed = {key: {"at": place, "text": design[key]} for key, place in at.items()}
@@ -463,25 +463,25 @@ def _shown_controls(
 
 def _session(answers: Answers, design: Mapping[str, Any]) -> Session:
     """The session of the case that a design belongs to."""
-    if not answers.has(design):
+    if not answers.knows_case(design):
         refuse("case")
     return answers.of(design)
 
 
-def _pinned(sent: Any) -> list[Design]:
+def _read_pins(sent: Any) -> list[Design]:
     """Designs that a page has pinned, no more than it can show."""
-    pinned = checked(list[Design], sent or [], "pins")
+    pinned = validate(list[Design], sent or [], "pins")
     if len(pinned) > len(PINS):
         refuse("pins")
     return pinned
 
 
-def _known_pins(answers: Answers, sent: Any) -> dict[int, Design]:
+def _place_pins(answers: Answers, sent: Any) -> dict[int, Design]:
     """Pinned designs by their places; a tab may have pinned some of a page that was here before."""
-    return {number: design for number, design in enumerate(_pinned(sent)) if answers.has(design)}
+    return {number: design for number, design in enumerate(_read_pins(sent)) if answers.knows_case(design)}
 
 
-def _done() -> list[tuple[Any, Any]]:
+def _read_actions() -> list[tuple[Any, Any]]:
     """Elements with which something was done, ids with their values: those that were clicked before choices.
 
     Controls that were made anew are told with them, buttons without a value and choices as they are.
@@ -511,19 +511,19 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @answered
+    @report_defects
     def pin(_: Any, pins: Any, present: Any) -> Any:
-        if not _done():
+        if not _read_actions():
             raise PreventUpdate
-        sent, pins = checked(PageRequest, present, "present").design, _pinned(pins)
+        sent, pins = validate(PageRequest, present, "present").design, _read_pins(pins)
         design = _session(answers, sent).design(sent)
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
 
     @app.callback(Output("pinned", "children"), Input("pins", "data"))
-    @answered
+    @report_defects
     def show_buttons(pins: Any) -> Any:
-        return elements("pinned", names=list(zip(_known_pins(answers, pins), PIN_NAMES, PINS, strict=False)))
+        return elements("pinned", names=list(zip(_place_pins(answers, pins), PIN_NAMES, PINS, strict=False)))
 
     app.clientside_callback(
         scripts["pinned"],
@@ -546,12 +546,12 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @answered
+    @report_defects
     def write(_: Any, name: Any, sent: Any) -> str:
-        present = checked(PageRequest, sent, "present")
+        present = validate(PageRequest, sent, "present")
         session = _session(answers, present.design)
         try:
-            source = session.given.file
+            source = session.base_design.file
             remark = f"Written by fem-seal explore from {source.name if source else 'a case'}."
             path = write_case(session.case(present.design).written, folder, str(name or ""), remark)
         except (SealError, OSError) as error:
@@ -566,9 +566,9 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @answered
+    @report_defects
     def take_away(_: Any, name: Any, sent: Any) -> Any:
-        present = checked(PageRequest, sent, "present")
+        present = validate(PageRequest, sent, "present")
         text = case_text(_session(answers, present.design).case(present.design).written, folder)
         return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
@@ -580,9 +580,9 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @answered
+    @report_defects
     def report(_: Any, name: Any, sent: Any) -> Any:
-        present = checked(PageRequest, sent, "present")
+        present = validate(PageRequest, sent, "present")
         session = _session(answers, present.design)
         try:
             target = free_name(folder, str(name or ""), ".out")
@@ -600,9 +600,9 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("report-folder", "data"),
         prevent_initial_call=True,
     )
-    @answered
-    def made(_: Any, target: Any) -> Any:
-        problem = answers.written(Path(checked(str, target, "report"))) if target else None
+    @report_defects
+    def show_report_state(_: Any, target: Any) -> Any:
+        problem = answers.report_problem(Path(validate(str, target, "report"))) if target else None
         if problem is None:
             raise PreventUpdate
         path = Path(target)

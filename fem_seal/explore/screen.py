@@ -224,7 +224,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
         number,
         profile_of(loads[number], case),
         section_of(case),
-        **({} if widens else _judged(solution, complete=more.get("complete", False))),
+        **({} if widens else _judge_solution(solution, complete=more.get("complete", False))),
         widens=widens,
         limits=tuple(
             (limit.name, limit.leak_rate / limit.ratio[1])
@@ -258,7 +258,7 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     return found or (own_tables("explore.toml")["sensitivities"][reason],)
 
 
-def _judged(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
+def _judge_solution(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     if solution.judgement is None:
         told = "" if solution.highest.leak is None else next_class_of(solution)
         return {"told": (told,) if told else ()}
@@ -320,18 +320,18 @@ def profile_of(load: CaseLoad, case: Case) -> ShownProfile:
     stop = int(np.searchsorted(x, high + 0.35 * (high - low), side="right"))
     step = max(1, (stop - start) // _POINTS)
 
-    def thinned(values: FloatArray) -> list[float]:
+    def thin_values(values: FloatArray) -> list[float]:
         found: list[float] = np.asarray(values, dtype=float)[start:stop:step].tolist()
         return found
 
     fluid = vars(load).get("leak_round")
     pressure = None if fluid is None else fluid.fluid_pressure
     return ShownProfile(
-        thinned(x),
-        thinned(line.pressure),
-        thinned(line.gap),
-        [] if pressure is None else thinned(pressure),
-        [thinned(axis) for axis in case.contact.point(x)],
+        thin_values(x),
+        thin_values(line.pressure),
+        thin_values(line.gap),
+        [] if pressure is None else thin_values(pressure),
+        [thin_values(axis) for axis in case.contact.point(x)],
     )
 
 

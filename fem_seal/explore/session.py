@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from fem_seal.errors import InputError, SealError
 from fem_seal.explore.choices import choices_of
-from fem_seal.explore.factors import Factors, factors_of, opened
+from fem_seal.explore.factors import Factors, factors_of, open_materials
 from fem_seal.explore.screen import Screen, section_of, slow_words
 from fem_seal.seal.cost import seconds
 from fem_seal.units import shown_in
@@ -57,8 +57,8 @@ class Session:
 
     def __init__(self, case: Case, name: str = "") -> None:
         self.name = name
-        self.given = case
-        self.base = opened(case)
+        self.base_design = case
+        self.base = open_materials(case)
 
     @cached_property
     def factors(self) -> Factors:
@@ -72,7 +72,7 @@ class Session:
 
     def design(self, design: Mapping[str, str]) -> dict[str, str]:
         """A design with all that it leaves out."""
-        own = self.factors.given | ({"case": self.name} if self.name else {})
+        own = self.factors.base_design | ({"case": self.name} if self.name else {})
         return own | {key: text.strip() for key, text in design.items() if key in own}
 
     def inputs(self, design: Mapping[str, str]) -> dict[str, str]:
@@ -126,7 +126,7 @@ class Session:
                 wrong={
                     key: problem.message
                     for problem in error.problems
-                    if (key := self.factors.named(problem.key))
+                    if (key := self.factors.factor_key(problem.key))
                 },
             )
         except WRONG as error:

@@ -127,7 +127,7 @@ class Calculator:
                 try:
                     self.start()
                     self._send(calculation, within)
-                    while (got := self._received()) is not None:
+                    while (got := self._receive()) is not None:
                         if isinstance(got, BaseException):
                             raise got
                         yield got
@@ -158,7 +158,7 @@ class Calculator:
             if self._connection is not None:
                 self._connection.send(calculation)
 
-    def _received(self) -> Any:
+    def _receive(self) -> Any:
         assert self._connection is not None and self._process is not None
         while not self._connection.poll(1.0):
             if time.monotonic() > self._deadline:
@@ -198,12 +198,12 @@ def _serve(work: Callable[[], Work], mine: Connection, theirs: Connection) -> No
                 mine.send(error)
             except Exception as error:
                 # others may hold what cannot be sent
-                mine.send(SealError(_why(error)))
+                mine.send(SealError(_error_text(error)))
             else:
                 mine.send(None)
 
 
-def _why(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return str(error) if isinstance(error, (*WRONG, OSError)) else unexpected(error)
 
 
@@ -245,7 +245,7 @@ def complete_work() -> Work:
         except Exception as error:
             if calculation.folder:
                 raise
-            yield Screen(design, complete=True, problem=_why(error))
+            yield Screen(design, complete=True, problem=_error_text(error))
 
     return calculate
 
@@ -333,14 +333,14 @@ class Answers:
         """
         return self._sessions[design.get("case", "")]
 
-    def opened(self, case: Case) -> Session:
+    def open_case(self, case: Case) -> Session:
         """The session of another case."""
         with self._lock:
             name = str(len(self._sessions))
             made = self._sessions[name] = Session(case, name)
             return made
 
-    def has(self, design: Mapping[str, str]) -> bool:
+    def knows_case(self, design: Mapping[str, str]) -> bool:
         """Whether the case that a design belongs to is one of this page."""
         return design.get("case", "") in self._sessions
 
@@ -412,7 +412,7 @@ class Answers:
         session = self.of(design)
         design = session.design(design)
         with self._lock:
-            if design == self._settling or self.complete(design) or self.given_up(design):
+            if design == self._settling or self.complete(design) or self.failure_reason(design):
                 return
             self._settling = design
         self._begin(Calculation(session.case(design), design))
@@ -422,7 +422,7 @@ class Answers:
         session = self.of(design)
         self._begin(Calculation(session.case(design), session.design(design), str(folder)))
 
-    def written(self, folder: Path) -> str | None:
+    def report_problem(self, folder: Path) -> str | None:
         """Why there is no report of those that were asked for; empty if there is one, None while it is made."""
         return self._written.get(str(folder))
 
@@ -431,12 +431,12 @@ class Answers:
         found: Screen | None = self._complete.known(_name(self.of(design).design(design)))
         return found
 
-    def given_up(self, design: Mapping[str, str]) -> str:
+    def failure_reason(self, design: Mapping[str, str]) -> str:
         """Why no complete run of a design follows; empty if one may."""
         return self._given_up.get(_name(self.of(design).design(design)), "")
 
     @property
-    def lost(self) -> str:
+    def loss_message(self) -> str:
         """What became of a process that ended a short while ago; empty if none did."""
         return self._lost if time.monotonic() - self._lost_at < _TOLD_FOR else ""
 

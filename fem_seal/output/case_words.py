@@ -11,8 +11,8 @@ from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
-from fem_seal.output.prose import phrase, prose, worded_rows, written
-from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trimmed, unit_for
+from fem_seal.output.prose import format_value, phrase, prose, worded_rows
+from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trim_zeros, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -176,7 +176,7 @@ def section_text(section: Mapping[str, Any]) -> dict[str, str]:
         )
     unit = unit_for("length", section["r_m"][1])
     words["extent"] = ", ".join(
-        f"{c} {trimmed(unit.of(low))} to {trimmed(unit.of(high))} {unit.name}"
+        f"{c} {trim_zeros(unit.of(low))} to {trim_zeros(unit.of(high))} {unit.name}"
         for c, (low, high) in (("r", section["r_m"]), ("z", section["z_m"]))
     )
     return words
@@ -240,9 +240,9 @@ def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
     lays = prose()["lays"]
     lay = lays["none"]
     if "lay" in spreads:
-        lay = f"{lays[face.lay]}, {trimmed(face.aspect)}{_known(spreads, 'lay')} times longer along it"
+        lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)}{_known(spreads, 'lay')} times longer along it"
     elif face.aspect > 1.0:
-        lay = f"{lays[face.lay]}, {trimmed(face.aspect)} times longer along it (given)"
+        lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)} times longer along it (given)"
     others = [name for name in ("Ra", "Rq", "Rz") if name != finish.parameter]
     return worded_rows(
         "finish",
@@ -250,7 +250,7 @@ def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
         whose=whose,
         finish=finish,
         face=face,
-        value=written(spreads[finish.parameter][::2], "given length")
+        value=format_value(spreads[finish.parameter][::2], "given length")
         + f" (usual: {quantity('length', finish.value)})"
         if finish.parameter in spreads
         else format_quantity("length", finish.value),
@@ -271,7 +271,7 @@ def _known(spreads: Mapping[str, Spread], name: str, how: str = "trimmed") -> st
     if name not in spreads:
         return " (given)"
     low, _, high = (float(f"{one:.3g}") if "length" in how else one for one in spreads[name])
-    return f" (assumed; {written(low, how)} to {written(high, how)})"
+    return f" (assumed; {format_value(low, how)} to {format_value(high, how)})"
 
 
 def temperature_rows(
@@ -298,7 +298,7 @@ def temperature_rows(
     yield "dimensions hold at", in_degrees(case.temperature.reference)
     for name, face in case.temperature.faces.items():
         film, place = face.heat_transfer, prose()["heated_faces"][name]
-        with_film = "" if film is None else f", {trimmed(film)} W/(m² K)"
+        with_film = "" if film is None else f", {trim_zeros(film)} W/(m² K)"
         yield f"{place}, {'face' if film is None else 'fluid'}", in_degrees(face.temperature) + with_film
         if field is not None:
             yield f"{place}, heat into the seal", f"{number(field.heat[name], 4)} W"
@@ -306,7 +306,10 @@ def temperature_rows(
         yield "heat from closure to seat", f"{number(field.across, 4)} W"
     if calculated:
         conductance = case.temperature.contact_conductance
-        yield "contact conducts", "perfectly" if conductance is None else f"{trimmed(conductance)} W/(m² K)"
+        yield (
+            "contact conducts",
+            "perfectly" if conductance is None else f"{trim_zeros(conductance)} W/(m² K)",
+        )
         return
     yield (
         "{upper} grows more than {lower}".format(**case.labels),
@@ -319,7 +322,7 @@ def temperature_rows(
 def in_degrees(temperature: float) -> str:
     """A temperature [K] in words."""
     unit = unit_for("temperature", temperature)
-    return f"{trimmed(round(unit.of(temperature), 2))} {unit.name}"
+    return f"{trim_zeros(round(unit.of(temperature), 2))} {unit.name}"
 
 
 def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:

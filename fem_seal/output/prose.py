@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.files import own_tables
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.scenarios import SCENARIOS
-from fem_seal.units import filled, unbroken, written
+from fem_seal.units import fill_sentence, format_value, keep_units_together
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -48,7 +48,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
         # a page is made once: folding constants takes longer than it saves
         optimized=False,
     )
-    environment.filters |= {"written": written, "unbroken": unbroken}
+    environment.filters |= {"written": format_value, "unbroken": keep_units_together}
     environment.globals |= {"math": math, "load_name": load_name}
     return environment.get_template(name)
 
@@ -81,7 +81,7 @@ def phrase(where: str, *parts: str, **values: object) -> str:
     """
     kind, name = where.split(".")
     sentences = prose()[kind][name]
-    return " ".join(filled(sentences[part], values) for part in parts if part)
+    return " ".join(fill_sentence(sentences[part], values) for part in parts if part)
 
 
 def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
@@ -97,4 +97,8 @@ def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -
         Values of the {names} in both, see `filled`.
     """
     rows = prose()["rows"][name]
-    return [(filled(key, values), filled(text, values)) for key, text in rows.items() if key not in without]
+    return [
+        (fill_sentence(key, values), fill_sentence(text, values))
+        for key, text in rows.items()
+        if key not in without
+    ]

@@ -6,10 +6,10 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.output.prose import filled, prose
+from fem_seal.output.prose import fill_sentence, prose
 from fem_seal.output.tables import COLUMNS, Column, known_columns
 from fem_seal.seal.scenarios import BESIDE
-from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trimmed, unit_for
+from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trim_zeros, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad
@@ -63,7 +63,7 @@ def worded_section(
     if not sentences:
         return None
     words = prose()["sections"][name]
-    captions = (filled(caption, values) for caption in words["captions"])
+    captions = (fill_sentence(caption, values) for caption in words["captions"])
     shown = tuple(zip(tables, captions, strict=True))
     return Section(name, words["title"], words["link"], sentences, words["pictures"], shown, words["files"])
 
@@ -164,8 +164,8 @@ def worded_table(
     """
     columns = {key: cell for key, cell in prose()["tables"][name].items() if key not in without}
     return ReadableTable(
-        tuple(filled(heading, values) for heading in columns),
-        tuple(tuple(filled(cell, {**values, **row}) for cell in columns.values()) for row in rows),
+        tuple(fill_sentence(heading, values) for heading in columns),
+        tuple(tuple(fill_sentence(cell, {**values, **row}) for cell in columns.values()) for row in rows),
     )
 
 
@@ -206,7 +206,7 @@ class ReportColumn:
             return fixed_unit("")
         largest = max(abs(value) for value in self.values if value is not None)
         found = unit_for(self.column.kind, largest)
-        return self.volume.named(found) if self.column.kind == "flow" else found
+        return self.volume.name_unit(found) if self.column.kind == "flow" else found
 
 
 def filled_column(name: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID) -> ReportColumn:
@@ -248,7 +248,7 @@ def _cell(column: ReportColumn, unit: Unit, n: int, none: str) -> str:
     if value is None:
         return "–"
     if column.column.name == "fluid_pressure_Pa":
-        return trimmed(unit.of(value))
+        return trim_zeros(unit.of(value))
     if column.column.kind == "flow" and value and not column.volume.measurable(value):
         return none
     return format_digits(unit.of(value), column.digits[n])

@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import Any
 
 from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.units import rounded
+from fem_seal.units import round_digits
 
 
 class Level(StrEnum):
@@ -164,7 +164,7 @@ class Validity:
         if len(reasons) < 2:
             return "".join(reasons)
         factor = self.leak_factor[1] if more else 1.0 / self.leak_factor[0]
-        return f"together a factor {rounded(factor, 2):g} {'more' if more else 'less'}: {'; '.join(reasons)}"
+        return f"together a factor {round_digits(factor, 2):g} {'more' if more else 'less'}: {'; '.join(reasons)}"
 
     @property
     def outside(self) -> bool:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from fem_seal.profile import PressureProfile, joined, tightest
+from fem_seal.profile import PressureProfile, join_lands, tightest_profile
 from fem_seal.seal.lazy import Lazy
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.units import DIGITS, digits_within
@@ -106,7 +106,7 @@ class LoadResult(Lazy):
     @property
     def whole(self) -> PressureProfile:
         """All of the contact as one profile, with its lands."""
-        return joined(self.profiles)
+        return join_lands(self.profiles)
 
     @property
     def tightest(self) -> PressureProfile:
@@ -286,7 +286,7 @@ class GivenContact:
     @property
     def profile(self) -> PressureProfile:
         """Of the land that is pressed hardest."""
-        return tightest(self.profiles)
+        return tightest_profile(self.profiles)
 
     @property
     def pressure(self) -> NDArray[np.float64]:

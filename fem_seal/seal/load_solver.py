@@ -59,7 +59,7 @@ from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
 from fem_seal.seal.load_result import LoadResult, load_results
 from fem_seal.seal.problem import SealFlow, SealProblem, condensed
-from fem_seal.units import briefly, written
+from fem_seal.units import format_value, short_quantity
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -204,11 +204,11 @@ class LoadSolver:
     ) -> InputError:
         """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
-        allowed = "" if least is None else f"; give an applied_force above {briefly('force', least)}"
+        allowed = "" if least is None else f"; give an applied_force above {short_quantity('force', least)}"
         problem = Problem(
             "load.applied_force",
-            f"the seal is open at a fluid pressure of {written(fluid_pressure, '.6g bar')}: {error}{allowed}",
-            written(applied_force, ".6g N"),
+            f"the seal is open at a fluid pressure of {format_value(fluid_pressure, '.6g bar')}: {error}{allowed}",
+            format_value(applied_force, ".6g N"),
         )
         return InputError(problem, file=self.problem.file)
 
@@ -578,7 +578,7 @@ def _beyond(
     """Why loads from the one at which a path ended have no contact."""
     first, *others = unsolved
     pressure, force = points[first]
-    before = f"{written(pressure, '.6g bar')} with {briefly('force', force)}"
+    before = f"{format_value(pressure, '.6g bar')} with {short_quantity('force', force)}"
     unknown = LoadProblem("load", sentence("after_a_load", load=before), kind="path")
     return {first: stopped} | {number: InputError(unknown) for number in others}
 

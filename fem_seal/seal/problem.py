@@ -23,10 +23,10 @@ from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
-from fem_seal.profile import PressureProfile, joined
+from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.heating import AtRest, warmed
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
-from fem_seal.units import written
+from fem_seal.units import format_value
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -697,8 +697,9 @@ def with_stop(problem: SealProblem, model: ContactModel) -> ContactModel:
         problem_of_stop = Problem(
             "gasket.stop",
             "the warm flanges meet before they touch the gasket, because they grow by "
-            f"{written(problem.faces * (touch - stop + problem.gasket.stop), '.4g um')} more than it does; give more",
-            written(problem.faces * problem.gasket.stop, ".6g um"),
+            f"{format_value(problem.faces * (touch - stop + problem.gasket.stop), '.4g um')} more than it does; "
+            "give more",
+            format_value(problem.faces * problem.gasket.stop, ".6g um"),
         )
         raise InputError(problem_of_stop, file=problem.file)
     return model.with_stop(stop, touch)
@@ -810,7 +811,7 @@ class SealFlow:
             land.after(largest[end - len(land.x) : end])
             for land, end in zip(profile.lands, ends, strict=True)
         ]
-        return joined([land.equivalent(self._table(land)) for land in after])
+        return join_lands([land.equivalent(self._table(land)) for land in after])
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""

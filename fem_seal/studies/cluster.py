@@ -72,7 +72,7 @@ class ClusterWorkers(Workers):
         self._next_count = 0.0
 
     @contextmanager
-    def listening(self, put: Callable[[Any], None]) -> Iterator[None]:
+    def listen(self, put: Callable[[Any], None]) -> Iterator[None]:
         """See `Workers`."""
         self._put = put
         self._client.subscribe_topic(self._topic, lambda event: put(event[1]))
@@ -146,7 +146,7 @@ class ClusterWorkers(Workers):
             self._answer(self._client.scheduler.retire_workers, workers=[worker])
         return True
 
-    def lost(self, tasks: Mapping[Any, Task]) -> list[Any]:
+    def take_back_lost(self, tasks: Mapping[Any, Task]) -> list[Any]:
         """See `Workers`.
 
         What was meant for the last worker that died dask keeps for that very address, whoever comes after it.
@@ -183,14 +183,14 @@ class ClusterWorkers(Workers):
             return None
 
 
-def on_cluster(
+def cluster_pool(
     client: Client, retries: int, note: Callable[[str], None] = lambda text: None, patience: float = _PATIENCE
 ) -> WorkerPool:
     """The workers of a dask cluster; see `WorkerPool` and `ClusterWorkers`."""
     return WorkerPool(ClusterWorkers(client, patience, note), retries, note)
 
 
-def connected(scheduler: str) -> Client:
+def connect_client(scheduler: str) -> Client:
     """A client of the scheduler at an address.
 
     Raises

@@ -109,33 +109,33 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
         rows = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
     except (UnreadableFileError, UnicodeDecodeError, csv.Error) as error:
         what = str(error) if isinstance(error, UnreadableFileError) else "cannot be read (no CSV file)"
-        raise _wrong(path, what) from None
+        raise _file_error(path, what) from None
     if len(rows) < 2:
-        raise _wrong(path, "has no designs; a heading and one row each")
+        raise _file_error(path, "has no designs; a heading and one row each")
     heading = [_heading(cell, path) for cell in rows[0]]
     paths = [name for name, _ in heading]
     twice = [name for n, name in enumerate(paths) if name in paths[:n]]
     if twice:
-        raise _wrong(path, f"has two columns {twice[0]}; remove one")
+        raise _file_error(path, f"has two columns {twice[0]}; remove one")
     again = said_twice(paths)
     if again:
-        raise _wrong(path, f"has columns {again[0]} and {again[1]}, two words for one entry; remove one")
+        raise _file_error(path, f"has columns {again[0]} and {again[1]}, two words for one entry; remove one")
     case = with_open_materials(case, paths)
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
     fluid = None if any(one.startswith("fluid.") for one in paths) else case.written.get("fluid")
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(entries):
-            raise _wrong(path, f"row {number} has {len(row)} cells, the heading {len(entries)}")
+            raise _file_error(path, f"row {number} has {len(row)} cells, the heading {len(entries)}")
         for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
             try:
                 given = as_difference(entry.path, _cell(cell.strip(), unit, entry.marker), fluid)
                 column.append(entry.read(given))
             except InputError as error:
-                raise _wrong(path, f"row {number}, {error.problems[0]}") from None
+                raise _file_error(path, f"row {number}, {error.problems[0]}") from None
             except ValueError as error:
                 place = f"row {number}, {entry.path} = {shown(cell.strip())}"
-                raise _wrong(path, f"{place}: {error}") from None
+                raise _file_error(path, f"{place}: {error}") from None
     parameters = tuple(
         Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
     )
@@ -146,7 +146,7 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
     return case, parameters, np.array(numbers, dtype=float).T
 
 
-def _wrong(path: Path, what: str) -> InputError:
+def _file_error(path: Path, what: str) -> InputError:
     return InputError.at("design.file", what, shown(path.name))
 
 
@@ -155,7 +155,7 @@ def _heading(cell: str, path: Path) -> tuple[str, str]:
     if match is None:
         separated = re.search(r"[;\t]", cell)
         advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
-        raise _wrong(path, f"has a heading {shown(cell)} that is no path{advice}")
+        raise _file_error(path, f"has a heading {shown(cell)} that is no path{advice}")
     return match[1], (match[2] or "").strip()
 
 
@@ -164,7 +164,7 @@ def _entry(case: Case, name: str, path: Path) -> Entry:
         return entry_at(case, name)
     except InputError as error:
         what = f"column {name}: {error.problems[0].message}"
-        raise _wrong(path, what) from None
+        raise _file_error(path, what) from None
 
 
 def _cell(text: str, unit: str, marker: object) -> object:

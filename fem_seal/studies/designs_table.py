@@ -59,11 +59,11 @@ class Designs:
         if constraints:
             rows = records(table)
             for name, one in constraints.items():
-                table[name] = [one.met(row) for row in rows]
+                table[name] = [one.is_met(row) for row in rows]
         return cls(table, about)
 
     @cached_property
-    def done(self) -> pd.DataFrame:
+    def successes(self) -> pd.DataFrame:
         """Designs that did not fail."""
         return self.table[self.table["status"] == "done"]
 
@@ -89,7 +89,7 @@ class Designs:
         return None
 
     @property
-    def at_edge(self) -> list[str]:
+    def parameters_at_edge(self) -> list[str]:
         """Numeric parameters at an end of whose range the best design by the only goal is."""
         best = self.best(1) if len(self.about["goals"]) == 1 else []
         ranges = {one["name"]: one["bounds"] for one in self.about["parameters"] if one["numeric"]}
@@ -98,14 +98,14 @@ class Designs:
             for name, (low, high) in ranges.items()
             if best
             and high > low
-            and not _EDGE < (self.done[name][best[0]] - low) / (high - low) < 1.0 - _EDGE
+            and not _EDGE < (self.successes[name][best[0]] - low) / (high - low) < 1.0 - _EDGE
         ]
 
     @cached_property
     def feasible(self) -> pd.DataFrame:
         """Designs that did not fail and meet all constraints."""
         names = list(self.about["constraints"])
-        return self.done[self.done[names].all(axis=1)] if names else self.done
+        return self.successes[self.successes[names].all(axis=1)] if names else self.successes
 
     @cached_property
     def validity(self) -> pd.Series:
@@ -130,11 +130,11 @@ class Designs:
     def _texts(self, name: str) -> pd.Series:
         import pandas as pd
 
-        told = self.done.get(name, pd.Series("", index=self.done.index, dtype=object))
+        told = self.successes.get(name, pd.Series("", index=self.successes.index, dtype=object))
         return told.fillna("").astype(object)
 
     @cached_property
-    def outside(self) -> pd.Series:
+    def outside_theory(self) -> pd.Series:
         """Which designs that did not fail are outside the theory, so that nothing can be claimed of them."""
         return self.validity == Level.OUTSIDE
 
@@ -144,15 +144,15 @@ class Designs:
         return bool(self.about.get("outside_theory") == "keep")
 
     @cached_property
-    def counted(self) -> pd.Series:
+    def eligible(self) -> pd.Series:
         """Which designs that did not fail can be the best: they meet all constraints and are inside the theory."""
-        kept = ~self.outside | self.keeps_outside
-        return kept & self.done.index.isin(self.feasible.index)
+        kept = ~self.outside_theory | self.keeps_outside
+        return kept & self.successes.index.isin(self.feasible.index)
 
     @property
     def left_out(self) -> int:
         """How many designs meet all constraints and are left out for being outside the theory."""
-        return len(self.feasible) - int(self.counted.sum())
+        return len(self.feasible) - int(self.eligible.sum())
 
     @cached_property
     def levels(self) -> dict[str, int]:
@@ -160,26 +160,26 @@ class Designs:
         return _counts(self.validity, [*Level])
 
     @cached_property
-    def violated(self) -> pd.Series:
+    def violations(self) -> pd.Series:
         """What each design that did not fail violates, in words; empty where it meets all constraints."""
         import pandas as pd
 
         texts = [f"{name}: {text}" for name, text in self.about["constraints"].items()]
-        met = self.done[list(self.about["constraints"])].to_numpy(dtype=bool)
+        met = self.successes[list(self.about["constraints"])].to_numpy(dtype=bool)
         words = [
             ", ".join(text for text, kept in zip(texts, row, strict=True) if not kept) for row in met.tolist()
         ]
-        return pd.Series(words, index=self.done.index, dtype=object)
+        return pd.Series(words, index=self.successes.index, dtype=object)
 
     @property
-    def some_do_not_count(self) -> bool:
+    def has_ineligible(self) -> bool:
         """Whether designs that did not fail violate constraints or are left out."""
-        return not bool(self.counted.all())
+        return not bool(self.eligible.all())
 
     @property
-    def why_not_counted(self) -> str:
+    def ineligibility(self) -> str:
         """What is wrong with the designs that do not count, after "designs that"."""
-        wrong = ["violate a constraint"] if len(self.feasible) < len(self.done) else []
+        wrong = ["violate a constraint"] if len(self.feasible) < len(self.successes) else []
         wrong += ["are outside the theory"] if self.left_out else []
         return " or ".join(wrong)
 
@@ -190,7 +190,7 @@ class Designs:
         return "search" if design["optimise"] else str(design["kind"])
 
     @property
-    def by_chance(self) -> bool:
+    def has_distribution(self) -> bool:
         """Whether a parameter was drawn from a distribution."""
         return any(one["distribution"] for one in self.about["parameters"])
 
@@ -211,12 +211,12 @@ class Designs:
         return [*(name for name in self.about["responses"] if name not in beside), *self.about["derived"]]
 
     @cached_property
-    def telling_outputs(self) -> list[str]:
+    def informative_outputs(self) -> list[str]:
         """Outputs that vary by more than round-off and are no parameter under another name."""
-        inputs = [self.done[name].to_numpy(dtype=float) for name in self.numeric_parameters]
+        inputs = [self.successes[name].to_numpy(dtype=float) for name in self.numeric_parameters]
         found = []
         for name in self.outputs:
-            values = self.done[name].to_numpy(dtype=float)
+            values = self.successes[name].to_numpy(dtype=float)
             finite = values[np.isfinite(values)]
             varies = finite.size and np.ptp(finite) > _ROUND_OFF * np.abs(finite).max()
             if varies and not any(np.allclose(values, one, rtol=_ROUND_OFF, atol=0.0) for one in inputs):
@@ -229,9 +229,9 @@ class Designs:
         import pandas as pd
 
         formulas = {name: Expression(text) for name, text in self.about["goals"].items()}
-        rows = records(self.done)
+        rows = records(self.successes)
         values = {name: [self.sign(name) * one(row) for row in rows] for name, one in formulas.items()}
-        return pd.DataFrame(values, index=self.done.index, dtype=float)
+        return pd.DataFrame(values, index=self.successes.index, dtype=float)
 
     def sign(self, goal: str) -> float:
         """1 for a goal that is to be small, -1 for one that is to be large, which is kept with a minus sign."""
@@ -241,7 +241,7 @@ class Designs:
     def goals(self) -> pd.DataFrame:
         """Goals of the designs that count, one column each, to be small; NaN left out."""
         signs = [self.sign(name) for name in self.about["goals"]]
-        return (self.goal_values[self.counted] * signs).dropna()
+        return (self.goal_values[self.eligible] * signs).dropna()
 
     def best(self, count: int) -> list[int]:
         """Numbers of the best designs: by the only goal, or the Pareto front of two by the first one.
@@ -250,7 +250,7 @@ class Designs:
         """
         if self.goals.shape[1] == 0 or self.goals.empty:
             return []
-        goals = self.goals[~self.done.loc[self.goals.index, self.parameters].duplicated()]
+        goals = self.goals[~self.successes.loc[self.goals.index, self.parameters].duplicated()]
         if goals.shape[1] == 2:
             goals = goals[pareto_front(goals.to_numpy())]
         return [int(number) for number in goals.sort_values(list(goals.columns)).index[:count]]
@@ -299,8 +299,8 @@ def quantiles(values: FloatArray) -> dict[float, float]:
 
 def other_leak_rates(designs: Designs) -> dict[str, FloatArray]:
     """Leak rates in the scenarios beside, as far as some design has them [m^3/s]."""
-    known = {one: column for one in BESIDE if (column := leak_rate_column(one)) in designs.done}
-    found = {one: designs.done[column].dropna().to_numpy(dtype=float) for one, column in known.items()}
+    known = {one: column for one in BESIDE if (column := leak_rate_column(one)) in designs.successes}
+    found = {one: designs.successes[column].dropna().to_numpy(dtype=float) for one, column in known.items()}
     return {one: rates for one, rates in found.items() if len(rates)}
 
 
@@ -315,13 +315,13 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     from leak.standards import invisible_leak_rate
 
     seal = designs.about["seal"]
-    if LEAK_RATE not in designs.done or designs.done.empty:
+    if LEAK_RATE not in designs.successes or designs.successes.empty:
         return []
-    leak_rate = designs.done[LEAK_RATE].dropna()
-    ends = [name for name in _UPPER_ENDS if name in designs.done]
+    leak_rate = designs.successes[LEAK_RATE].dropna()
+    ends = [name for name in _UPPER_ENDS if name in designs.successes]
     # without a number of its own an end is that of the leak rate
-    leak_rate = designs.done.loc[leak_rate.index, ends].max(axis=1)
-    claimed = ~designs.outside[leak_rate.index]
+    leak_rate = designs.successes.loc[leak_rate.index, ends].max(axis=1)
+    claimed = ~designs.outside_theory[leak_rate.index]
     limits = {
         # of what may not be seen: what nobody sees
         limit.name: limit.leak_rate or invisible_leak_rate(gas=seal["gas"])

@@ -63,9 +63,11 @@ class Display:
 
     def numbers(self, name: str) -> pd.Series:
         """A column of the designs that did not fail, or a goal of theirs, in SI."""
-        return self.designs.done[name] if name in self.designs.done else self.designs.goal_values[name]
+        return (
+            self.designs.successes[name] if name in self.designs.successes else self.designs.goal_values[name]
+        )
 
-    def shown(self, name: str, values: ArrayLike) -> FloatArray:
+    def convert(self, name: str, values: ArrayLike) -> FloatArray:
         """SI numbers of a column in its unit."""
         unit = self.unit(name)
         return (np.asarray(values, dtype=float) - unit.zero) / unit.size
@@ -75,45 +77,47 @@ class Display:
         column = self.numbers(name).loc[rows]
         if not self._numeric(name):
             return [_word(value) for value in column.tolist()]
-        numbers = self.shown(name, column.to_numpy(dtype=float))
+        numbers = self.convert(name, column.to_numpy(dtype=float))
         return [value if math.isfinite(value) else None for value in numbers.tolist()]
 
-    def placed(self, rows: pd.Index, name: str) -> list[Any]:
+    def axis_values(self, rows: pd.Index, name: str) -> list[Any]:
         """The same to be drawn: zeros stand below all other numbers of a logarithmic axis."""
         if not self.logarithmic(name):
             return self.values(rows, name)
         whole = self.numbers(name).to_numpy(dtype=float)
-        column = dict(zip(self.numbers(name).index, self.shown(name, lifted(whole)).tolist(), strict=True))
+        column = dict(
+            zip(self.numbers(name).index, self.convert(name, lift_zeros(whole)).tolist(), strict=True)
+        )
         return [column[row] if math.isfinite(column[row]) else None for row in rows]
 
     @property
-    def sealed(self) -> int:
+    def sealed_count(self) -> int:
         """How many designs have no leak rate above zero where others have."""
-        if LEAK_RATE not in self.designs.done or not self.logarithmic(LEAK_RATE):
+        if LEAK_RATE not in self.designs.successes or not self.logarithmic(LEAK_RATE):
             return 0
-        return int((self.designs.done[LEAK_RATE] == 0).sum())
+        return int((self.designs.successes[LEAK_RATE] == 0).sum())
 
     def texts(self, rows: pd.Index, name: str) -> list[str]:
         """A column of some designs as it is written."""
         if name in SHARES:
             return list(map(share_text, self.numbers(name).loc[rows].tolist()))
-        return [short(value) if self._numeric(name) else value for value in self.values(rows, name)]
+        return [short_number(value) if self._numeric(name) else value for value in self.values(rows, name)]
 
     def levels(self, name: str) -> list[str]:
         """Words that a parameter takes, in the order of the user, as they are written."""
         return [_word(level) for level in self._parameters[name]["levels"]]
 
-    def varied(self, name: str) -> str:
+    def range_text(self, name: str) -> str:
         """Which values a parameter takes, in its unit."""
         parameter = self._parameters[name]
         if not parameter["numeric"]:
             return ", ".join(self.levels(name)[:FEW])
-        low, high = map(short, self.shown(name, parameter["bounds"]).tolist())
+        low, high = map(short_number, self.convert(name, parameter["bounds"]).tolist())
         if parameter["distribution"]:
             kind = _DISTRIBUTIONS.get(parameter["distribution"], parameter["distribution"].lower())
             return f"{kind} from {low} to {high}"
         if len(parameter["levels"]) <= FEW:
-            return ", ".join(map(short, self.shown(name, parameter["levels"]).tolist()))
+            return ", ".join(map(short_number, self.convert(name, parameter["levels"]).tolist()))
         return f"{len(parameter['levels'])} levels from {low} to {high}"
 
     def logarithmic(self, name: str) -> bool:
@@ -121,7 +125,7 @@ class Display:
         if not self._numeric(name) or self.unit(name).zero:
             return False
         if name in self._parameters:
-            return _by_factors(self._parameters[name])
+            return _varies_by_factors(self._parameters[name])
         return spans_a_decade(self.numbers(name).to_numpy(dtype=float))
 
     def axis(self, name: str) -> dict[str, Any]:
@@ -144,7 +148,7 @@ class Display:
     def hover(self, rows: pd.Index, names: Sequence[str]) -> list[str]:
         """What is shown of each design when pointed at: its number, some columns, what speaks against it."""
         columns = [[f"{self.label(name)}: {text}" for text in self.texts(rows, name)] for name in names]
-        violated = [f"violates {text}" if text else "" for text in self.designs.violated.loc[rows]]
+        violated = [f"violates {text}" if text else "" for text in self.designs.violations.loc[rows]]
         levels, reasons = self.designs.validity.loc[rows], self.designs.worst_reason.loc[rows]
         doubts = [f"{level}: {why}" if why else "" for level, why in zip(levels, reasons, strict=True)]
         return [
@@ -152,20 +156,20 @@ class Display:
             for n, *lines in zip(rows.tolist(), *columns, violated, doubts, strict=True)
         ]
 
-    def best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
+    def describe_best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
         """Numbers of the best designs, and what they are by their labels, as texts.
 
         Parameters, responses, derived columns and goals, the verdict if there is one, and the validity unless all are
         valid.
         """
         numbers = self.designs.best(count)
-        return numbers, self.told(numbers)
+        return numbers, self.describe(numbers)
 
-    def told(self, numbers: list[int]) -> dict[str, list[str]]:
+    def describe(self, numbers: list[int]) -> dict[str, list[str]]:
         """What some designs are, as texts by their labels, see `best`."""
         designs, about = self.designs, self.designs.about
         names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
-        rows = designs.done.loc[numbers].index
+        rows = designs.successes.loc[numbers].index
         told = {self.label(name): self.texts(rows, name) for name in names}
         verdicts = designs.verdict.loc[numbers].tolist()
         told |= {"verdict": verdicts} if any(verdicts) else {}
@@ -185,8 +189,8 @@ class Display:
 
     @cached_property
     def _units(self) -> dict[str, Unit]:
-        names = dict.fromkeys([*self.designs.done, *self.designs.goal_values])
-        return {name: self._suitable(name) for name in names}
+        names = dict.fromkeys([*self.designs.successes, *self.designs.goal_values])
+        return {name: self._choose_unit(name) for name in names}
 
     def _log_step(self, name: str) -> str | float:
         """Marks at all digits, at 1, 2 and 5, or at powers of ten, in plotly's words."""
@@ -198,7 +202,7 @@ class Display:
     def _numeric(self, name: str) -> bool:
         return self.numbers(name).dtype.kind in "fiu"
 
-    def _suitable(self, name: str) -> Unit:
+    def _choose_unit(self, name: str) -> Unit:
         if not self._numeric(name):
             return _NONE
         if name in self._parameters:
@@ -208,7 +212,7 @@ class Display:
             si, kind = COLUMNS[name].unit, COLUMNS[name].kind
         else:
             # nobody wrote what a formula is a quantity of
-            si, kind = "" if name in self.designs.done else "SI", ""
+            si, kind = "" if name in self.designs.successes else "SI", ""
         if not kind:
             return Unit(si, 1.0)
         # leak rates stand beside each other
@@ -247,7 +251,7 @@ def parameter_words(path: str) -> str:
     return " ".join([*parts, own_tables(LOOKS)["called"].get(key, key.replace("_", " "))])
 
 
-def short(value: float | None, digits: int = 4) -> str:
+def short_number(value: float | None, digits: int = 4) -> str:
     """A number with a few digits and without zeros at its end, "–" for none."""
     mantissa, times, power = number(value, digits).partition("·")
     if "." in mantissa:
@@ -284,7 +288,7 @@ def spans_a_decade(values: FloatArray) -> bool:
 _BELOW = 10**-0.5
 
 
-def lifted(values: FloatArray) -> FloatArray:
+def lift_zeros(values: FloatArray) -> FloatArray:
     """Numbers on a logarithmic axis, where a zero, such as the leak rate of a sealed design, has no place of its own.
 
     Examples
@@ -296,7 +300,7 @@ def lifted(values: FloatArray) -> FloatArray:
     return np.where(values == 0, _BELOW * above.min(), values) if above.size else values
 
 
-def _by_factors(parameter: dict[str, Any]) -> bool:
+def _varies_by_factors(parameter: dict[str, Any]) -> bool:
     """Whether a parameter was meant to vary by factors and not by differences."""
     low, high = parameter["bounds"]
     factor = high / low if low > 0 else 1.0
@@ -305,10 +309,10 @@ def _by_factors(parameter: dict[str, Any]) -> bool:
     levels = np.sort(np.asarray(parameter["levels"], dtype=float))
     if factor < 2.0 or len(levels) < 3:
         return factor > 10.0
-    return _even(np.log(levels)) or (factor > 10.0 and not _even(levels))
+    return _is_evenly_spaced(np.log(levels)) or (factor > 10.0 and not _is_evenly_spaced(levels))
 
 
-def _even(values: FloatArray) -> bool:
+def _is_evenly_spaced(values: FloatArray) -> bool:
     steps = np.diff(values)
     return bool(np.ptp(steps) < 1e-6 * steps.max())
 

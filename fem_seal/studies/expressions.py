@@ -84,14 +84,14 @@ class Part:
     def number(self, values: Mapping[str, float]) -> float:
         """Its value; NaN where it is not defined (division by zero, logarithm of a negative number) or not finite."""
         try:
-            value = self._evaluated(values)
+            value = self._evaluate(values)
         except (ZeroDivisionError, ValueError, OverflowError):
             return math.nan
         return value if math.isfinite(value) else math.nan
 
-    def _evaluated(self, values: Mapping[str, float]) -> float:
+    def _evaluate(self, values: Mapping[str, float]) -> float:
         if callable(self.what):
-            return float(self.what(*(one._evaluated(values) for one in self.parts)))
+            return float(self.what(*(one._evaluate(values) for one in self.parts)))
         return float(values[self.what]) if isinstance(self.what, str) else self.what
 
     def unit_of(self, units: Mapping[str, str]) -> str | None:
@@ -183,7 +183,7 @@ class Constraint(_Formula):
     def _holds(self) -> Callable[[float, float], bool] | None:
         return _COMPARE.get(type(self._tree.ops[0])) if isinstance(self._tree, ast.Compare) else None
 
-    def met(self, values: Mapping[str, float]) -> bool:
+    def is_met(self, values: Mapping[str, float]) -> bool:
         """Whether it holds; it does not where a value is missing."""
         assert self._holds is not None
         return self._holds(*(side.number(values) for side in self.sides))
@@ -215,7 +215,7 @@ def _part(node: ast.expr, depth: int = 0) -> Part:
     if isinstance(node, ast.Constant):
         what, unit = _constant(node.value)
     elif isinstance(node, (ast.Name, ast.Attribute)):
-        name = _dotted(node)
+        name = _dotted_name(node)
         what = CONSTANTS.get(name, name)
     elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
         what, inside = _OPERATORS[type(node.op)], [node.left, node.right]
@@ -257,7 +257,7 @@ def _quantity(text: str) -> tuple[float, str]:
     raise ExpressionError(f'holds "{text}", which is no quantity, such as "1 GPa", "45 deg" or "2 ml/min"')
 
 
-def _dotted(node: ast.expr) -> str:
+def _dotted_name(node: ast.expr) -> str:
     parts = []
     while isinstance(node, ast.Attribute):
         parts.append(node.attr)

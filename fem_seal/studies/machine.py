@@ -46,7 +46,7 @@ class LocalWorkers(Workers):
         return list(self._processes)
 
     @contextmanager
-    def listening(self, put: Callable[[Any], None]) -> Iterator[None]:
+    def listen(self, put: Callable[[Any], None]) -> Iterator[None]:
         """See `Workers`."""
         self._put = put
         yield

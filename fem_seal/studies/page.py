@@ -20,7 +20,7 @@ from fem_seal.seal.findings import Level
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
-from fem_seal.studies.display import LOOKS, Display, share_text, short
+from fem_seal.studies.display import LOOKS, Display, share_text, short_number
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import Unit, format_quantity, leak_range_text, leak_rate_text, shown_in
 from fem_seal.version import __version__
@@ -84,7 +84,7 @@ def _words() -> Any:
 
 
 def _headline(designs: designs_table.Designs, counts: dict[str, int]) -> str:
-    both = designs_table.LEAK_RATE in designs.done and bool(designs_table.other_leak_rates(designs))
+    both = designs_table.LEAK_RATE in designs.successes and bool(designs_table.other_leak_rates(designs))
     titles = list(map(Display(designs).title, designs.parameters))
     return str(_words().headline(designs, counts, titles, both))
 
@@ -127,46 +127,48 @@ def sections(designs: designs_table.Designs) -> Iterator[Section]:
     ----------
     designs : Designs
     """
-    if designs.done.empty:
+    if designs.successes.empty:
         return
     display = Display(designs)
-    yield from _passing(display)
+    yield from _passing_section(display)
     # a batch of parts: nothing is looked for among them
     looked_for = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
-    batch = designs.by_chance and not looked_for
+    batch = designs.has_distribution and not looked_for
     if batch:
         # how often it leaks how much is what such a study asks
-        yield from _how_often(display)
-    yield from _best(display)
-    words, table, part = _words(), plots.drawn(designs.done), ""
-    if len(designs.done) > plots.MOST_POINTS:
-        part = f"{words.part(len(designs.done), len(table))} "
-    part += words.sealed(display.sealed)
-    missing = len(table) - len(plots.complete(table, designs.telling_outputs))
+        yield from _share_sections(display)
+    yield from _best_section(display)
+    words, table, part = _words(), plots.thin_designs(designs.successes), ""
+    if len(designs.successes) > plots.MOST_POINTS:
+        part = f"{words.part(len(designs.successes), len(table))} "
+    part += words.sealed(display.sealed_count)
+    missing = len(table) - len(plots.complete_rows(table, designs.informative_outputs))
     parallel = words.parallel(part, missing)
-    sealed = f" {words.sealed(display.sealed)}".rstrip()
-    yield from _plotted("Pareto front", f"{words.pareto()}{sealed}", plots.pareto_plot(display))
-    yield from _plotted("Search", words.search(designs), plots.search_plot(display))
-    line = share_text(designs.confidence) if designs_table.PASSES in designs.done else ""
-    yield from _plotted("Map", words.crosses(designs, line), plots.map_plot(display))
+    sealed = f" {words.sealed(display.sealed_count)}".rstrip()
+    yield from _plot_section("Pareto front", f"{words.pareto()}{sealed}", plots.pareto_plot(display))
+    yield from _plot_section("Search", words.search(designs), plots.search_plot(display))
+    line = share_text(designs.confidence) if designs_table.PASSES in designs.successes else ""
+    yield from _plot_section("Map", words.crosses(designs, line), plots.map_plot(display))
     # two menus side by side
     responses = plots.response_plot(display)
-    yield from _plotted("Responses over parameters", part + words.hollow(designs), responses, broad=True)
-    yield from _plotted("All designs", parallel, plots.parallel_plot(display), broad=True)
-    yield from _sensitivity(display)
+    yield from _plot_section("Responses over parameters", part + words.hollow(designs), responses, broad=True)
+    yield from _plot_section("All designs", parallel, plots.parallel_plot(display), broad=True)
+    yield from _sensitivity_sections(display)
     if not batch:
-        yield from _how_often(display)
+        yield from _share_sections(display)
     yield _columns(display)
 
 
-def _how_often(display: Display) -> Iterator[Section]:
+def _share_sections(display: Display) -> Iterator[Section]:
     designs = display.designs
-    if designs.kind not in _WITHOUT_SHARES and designs_table.LEAK_RATE in designs.done:
-        yield from _distribution(display)
-        yield from _classes(designs)
+    if designs.kind not in _WITHOUT_SHARES and designs_table.LEAK_RATE in designs.successes:
+        yield from _distribution_section(display)
+        yield from _class_section(designs)
 
 
-def _plotted(heading: str, note: str, figure: Figure | None, *, broad: bool = False) -> Iterator[Section]:
+def _plot_section(
+    heading: str, note: str, figure: Figure | None, *, broad: bool = False
+) -> Iterator[Section]:
     if figure is not None:
         yield Section(heading, note, _html(figure), broad=broad)
 
@@ -189,13 +191,13 @@ def _html(figure: Figure) -> Any:
     )
 
 
-def _best(display: Display) -> Iterator[Section]:
+def _best_section(display: Display) -> Iterator[Section]:
     designs = display.designs
     if not designs.about["goals"]:
         return
-    numbers, columns = display.best(_BEST)
+    numbers, columns = display.describe_best(_BEST)
     titles = list(map(display.title, designs.about["goals"]))
-    note = _words().best(designs, titles, bool(numbers), at_edge(display))
+    note = _words().best(designs, titles, bool(numbers), edge_sentence(display))
     yield _table_of("Best designs", note, numbers, columns)
 
 
@@ -209,16 +211,16 @@ def _table_of(heading: str, note: str, numbers: list[int], columns: dict[str, li
 _MOST_ROWS, _FEW_ROWS = 500, 10
 
 
-def _passing(display: Display) -> Iterator[Section]:
+def _passing_section(display: Display) -> Iterator[Section]:
     """Which designs keep the requirement often enough, the likeliest first."""
     designs = display.designs
-    if designs_table.PASSES not in designs.done:
+    if designs_table.PASSES not in designs.successes:
         return
-    likely = designs.done[designs_table.PASSES].sort_values(ascending=False, kind="stable")
+    likely = designs.successes[designs_table.PASSES].sort_values(ascending=False, kind="stable")
     numbers = likely.index[:_MOST_ROWS].tolist()
     note = _words().passing(passing_words(display), len(likely), len(numbers))
     passing = int((likely >= designs.confidence).sum())
-    table = _table_of("Designs that pass", note, numbers, display.told(numbers))
+    table = _table_of("Designs that pass", note, numbers, display.describe(numbers))
     # without one that passes the likeliest
     first = min(passing or _FEW_ROWS, len(numbers))
     yield replace(table, first=first, summary=_words().others(len(numbers) - first))
@@ -227,12 +229,12 @@ def _passing(display: Display) -> Iterator[Section]:
 def passing_words(display: Display) -> str:
     """How many designs pass often enough, or which does most often, as a sentence; empty where nobody asks."""
     designs = display.designs
-    if designs_table.PASSES not in designs.done or designs.done.empty:
+    if designs_table.PASSES not in designs.successes or designs.successes.empty:
         return ""
-    likely, limit = designs.done[designs_table.PASSES], designs.limit
+    likely, limit = designs.successes[designs_table.PASSES], designs.limit
     allowed = f" less than {format_quantity('flow', limit)}" if limit else ""
     count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
-    outside = int((likely.isna() & designs.outside).sum()) == unknown
+    outside = int((likely.isna() & designs.outside_theory).sum()) == unknown
     best, row = share_text(float(likely.max())), likely.nlargest(1).index
     told = [
         (display.title(one), *display.texts(row, one), display.unit(one).name) for one in designs.parameters
@@ -242,27 +244,27 @@ def passing_words(display: Display) -> str:
     return str(_words().passed(count, len(likely), allowed, confidence, unknown, best, which, outside))
 
 
-def at_edge(display: Display) -> str:
+def edge_sentence(display: Display) -> str:
     """Which ranges end where the best design is, as a sentence; empty where none does."""
-    return str(_words().at_edge(list(map(display.title, display.designs.at_edge))))
+    return str(_words().at_edge(list(map(display.title, display.designs.parameters_at_edge))))
 
 
-def outside_left_out(designs: designs_table.Designs) -> str:
+def left_out_sentence(designs: designs_table.Designs) -> str:
     """How many designs are left out, as a sentence without its point."""
     return str(_words().outside_left_out(designs.left_out))
 
 
-def _sensitivity(display: Display) -> Iterator[Section]:
+def _sensitivity_sections(display: Display) -> Iterator[Section]:
     designs = display.designs
     found = designs_table.sensitivities(designs)
     if not found and designs.kind in SENSITIVITY:
         yield Section("Sensitivity", _words().indices_missing())
     for one in found:
-        if one.output in designs.telling_outputs:
-            yield _indices(display, one)
+        if one.output in designs.informative_outputs:
+            yield _index_section(display, one)
 
 
-def _indices(display: Display, found: designs_table.Sensitivity) -> Section:
+def _index_section(display: Display, found: designs_table.Sensitivity) -> Section:
     of, size, unit = plots.scale(display, found)
     title, noise = display.title(found.output), found.noise.tolist()
     if found.method == "morris":
@@ -275,7 +277,7 @@ def _indices(display: Display, found: designs_table.Sensitivity) -> Section:
     columns = [_column(one / size, found.influence / size) for one in shown]
     columns[0] = [f"{text} (noise)" if bad else text for text, bad in zip(columns[0], noise, strict=True)]
     if found.method == "morris" and found.logarithmic:
-        columns.append([f"× {short(one, 3)}" for one in np.exp(found.first).tolist()])
+        columns.append([f"× {short_number(one, 3)}" for one in np.exp(found.first).tolist()])
         headings.append("mean effect as a factor")
     rows = list(zip(map(display.title, found.parameters), *columns, strict=True))
     return Section(
@@ -289,21 +291,21 @@ def _indices(display: Display, found: designs_table.Sensitivity) -> Section:
 
 def _column(values: FloatArray, of: FloatArray) -> list[str]:
     """Numbers as they are written, round-off beside the largest of another column as zero."""
-    return [short(value, 3) if abs(value) > 1e-9 * of.max() else "0" for value in values.tolist()]
+    return [short_number(value, 3) if abs(value) > 1e-9 * of.max() else "0" for value in values.tolist()]
 
 
-def _distribution(display: Display) -> Iterator[Section]:
+def _distribution_section(display: Display) -> Iterator[Section]:
     figure = plots.distribution_plot(display)
     if figure is None:
         return
     designs = display.designs
-    found = designs_table.quantiles(designs.done[designs_table.LEAK_RATE].dropna().to_numpy())
+    found = designs_table.quantiles(designs.successes[designs_table.LEAK_RATE].dropna().to_numpy())
     seal = designs.about["seal"]
     leak_rate = f"leak rate{volumes_of_gas(seal.get('gas') and not seal.get('throughputs'))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
     rates = tuple(found.values())
     rows: list[tuple[str, ...]] = [
-        (f"{100 * share:g} %", leak_range_text(value, beside=rates), short(value))
+        (f"{100 * share:g} %", leak_range_text(value, beside=rates), short_number(value))
         for share, value in found.items()
     ]
     other = ""
@@ -311,39 +313,39 @@ def _distribution(display: Display) -> Iterator[Section]:
         headings += (SCENARIOS[name].title, "[m³/s]")
         ends = tuple(designs_table.quantiles(others).values())
         texts = [leak_range_text(end, beside=(*rates, *ends)) for end in ends]
-        rows = [(*row, text, short(end)) for row, text, end in zip(rows, texts, ends, strict=True)]
+        rows = [(*row, text, short_number(end)) for row, text, end in zip(rows, texts, ends, strict=True)]
         other = phrase("interval.ends", "what")
     yield Section(
         "Distribution of the leak rate",
-        _words().distribution(_counted(designs), designs.by_chance, other),
+        _words().distribution(_design_counts(designs), designs.has_distribution, other),
         _html(figure),
         headings,
         tuple(rows),
     )
 
 
-def _classes(designs: designs_table.Designs) -> Iterator[Section]:
-    if designs.done[designs_table.LEAK_RATE].dropna().empty:
+def _class_section(designs: designs_table.Designs) -> Iterator[Section]:
+    if designs.successes[designs_table.LEAK_RATE].dropna().empty:
         return
     shares, both = designs_table.class_shares(designs), bool(designs_table.other_leak_rates(designs))
     yield Section(
         "Leakage classes",
-        _words().classes(designs.about, _counted(designs), bool(shares), both),
+        _words().classes(designs.about, _design_counts(designs), bool(shares), both),
         columns=("class", "allowed leak rate", "share of the designs"),
         rows=tuple((name, leak_rate_text(most), f"{100 * share:.4g} %") for name, most, share in shares),
     )
 
 
-def _counted(designs: designs_table.Designs) -> tuple[int, int, int]:
+def _design_counts(designs: designs_table.Designs) -> tuple[int, int, int]:
     """Designs that shares are shares of, those that failed, and those of the former outside the theory."""
-    calculated = int(designs.done[designs_table.LEAK_RATE].notna().sum())
-    return calculated, len(designs.table) - len(designs.done), int(designs.outside.sum())
+    calculated = int(designs.successes[designs_table.LEAK_RATE].notna().sum())
+    return calculated, len(designs.table) - len(designs.successes), int(designs.outside_theory.sum())
 
 
 def _columns(display: Display) -> Section:
     about = display.designs.about
     rows = [
-        (name, display.title(name), display.unit(name).name or "–", display.varied(name))
+        (name, display.title(name), display.unit(name).name or "–", display.range_text(name))
         for name in display.designs.parameters
     ]
     rows += [(name, name, "", text) for name, text in {**about["derived"], **about["constraints"]}.items()]

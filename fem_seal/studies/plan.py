@@ -21,7 +21,16 @@ from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.scenarios import BESIDE, IN_INTERVAL, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
-from fem_seal.studies.tables import Design, Optimise, Parameter, Report, Run, StudyTables, entries, named
+from fem_seal.studies.tables import (
+    Design,
+    Optimise,
+    Parameter,
+    Report,
+    Run,
+    StudyTables,
+    design_text,
+    entries,
+)
 
 F = TypeVar("F", Expression, Constraint)
 
@@ -166,7 +175,7 @@ _MEDIAN = "leak_rate_p50_m3_per_s"
 _SHARES = ("pass_probability", "batch_share_p05")
 
 
-def _missing_beside(study: StudyPlan) -> str:
+def _missing_scenario(study: StudyPlan) -> str:
     """What no design has of what two readings of yielding asperities need; empty if some design has them."""
     leak = study.case.leak
     if not leak.plasticity and "leak.plasticity" not in study.names:
@@ -183,7 +192,7 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[st
     for formula in (*study.derived.values(), *study.constraints.values(), *study.goals.values()):
         asked.update(formula.names)
     beside = {_MARGIN} if _VERDICT in asked else set()
-    if _LEAK_RATE in asked and not _missing_beside(study):
+    if _LEAK_RATE in asked and not _missing_scenario(study):
         beside.update(_BESIDE)
     needed = tuple(name for name in LEAK_COLUMNS if name in asked | beside)
     return needed, tuple(name for name in needed if name not in asked)
@@ -245,7 +254,7 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     for table in () if column is None else column.needs:
         if getattr(study.case, table) is None:
             raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
-    missing = _missing_beside(study)
+    missing = _missing_scenario(study)
     if name == _MEDIAN and study.case.sampled is None:
         raise InputError.at(key, f"{name} needs a table [uncertainty] in the base case")
     told = name in _SAMPLED and (study.case.sampled is not None or study.case.leak.theory == "corrected")
@@ -347,17 +356,17 @@ def check_designs(study: StudyPlan) -> None:
     """InputError if a design is no valid case, unless such designs are to be left out."""
     if study.design.invalid == "skip":
         return
-    for number in _telling_designs(study):
+    for number in _extreme_designs(study):
         point = study.points[number]
         try:
             study.case_of(point)
         except InputError as error:
-            found, listed = error.problems[0], named(study.parameters, point)
+            found, listed = error.problems[0], design_text(study.parameters, point)
             words = problem("study_invalid_design", number=number, listed=listed, found=found)
             raise InputError(words) from None
 
 
-def _telling_designs(study: StudyPlan) -> Iterator[int]:
+def _extreme_designs(study: StudyPlan) -> Iterator[int]:
     """Designs that are built before the study starts: all of a small one, else extremes, corners and a sample."""
     points = study.points
     count = len(points)

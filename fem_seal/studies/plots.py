@@ -25,7 +25,17 @@ from fem_seal.studies.designs_table import (
     other_leak_rates,
     pareto_front,
 )
-from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, RED, Display, lifted, short, spans_a_decade
+from fem_seal.studies.display import (
+    BLUE,
+    FEW,
+    GREY,
+    LOOKS,
+    RED,
+    Display,
+    lift_zeros,
+    short_number,
+    spans_a_decade,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,7 +48,7 @@ _LINE = {"color": RED, "dash": "dash", "width": 1.5}
 _GREY_SHARE = 0.08
 
 
-def drawn(table: pd.DataFrame) -> pd.DataFrame:
+def thin_designs(table: pd.DataFrame) -> pd.DataFrame:
     """The designs that are drawn: all, or a regular part of many."""
     step = -(-len(table) // MOST_POINTS)
     return table if step <= 1 else table.iloc[::step]
@@ -58,8 +68,8 @@ def _trace(look: str, **data: Any) -> dict[str, Any]:
 def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[str]) -> dict[str, Any]:
     """Data of a trace with a point for each design, which shows columns when pointed at."""
     return {
-        "x": display.placed(rows, x),
-        "y": display.placed(rows, y),
+        "x": display.axis_values(rows, x),
+        "y": display.axis_values(rows, y),
         "text": display.hover(rows, list(names)),
     }
 
@@ -73,7 +83,7 @@ def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
             display.designs.limit if of_leak else display.designs.asked_confidence if name == PASSES else None
         )
         if limit is not None:
-            at = float(display.shown(name, limit))
+            at = float(display.convert(name, limit))
             ends = {f"{across}0": 0, f"{across}1": 1, f"{side}0": at, f"{side}1": at}
             found.append({"type": "line", "line": _LINE, f"{across}ref": "paper", **ends})
     return found
@@ -81,11 +91,11 @@ def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
 
 def _groups(designs: Designs, rows: pd.Index) -> list[tuple[str, pd.Index, str]]:
     """Designs that count and those that do not: legend, designs, look; one group if all do."""
-    if not designs.some_do_not_count:
+    if not designs.has_ineligible:
         return [("designs", rows, "counting")]
-    fails = ~designs.counted.loc[rows].to_numpy()
+    fails = ~designs.eligible.loc[rows].to_numpy()
     good = "inside the theory" if designs.left_out else "meets the constraints"
-    bad = designs.why_not_counted.replace("violate", "violates").replace("are outside", "outside")
+    bad = designs.ineligibility.replace("violate", "violates").replace("are outside", "outside")
     groups = [(good, rows[~fails], "counting"), (bad, rows[fails], "not_counting")]
     return [group for group in groups if len(group[1])]
 
@@ -93,11 +103,11 @@ def _groups(designs: Designs, rows: pd.Index) -> list[tuple[str, pd.Index, str]]
 def response_plot(display: Display) -> Figure | None:
     """Any output over any parameter, chosen with menus; designs that do not count hollow."""
     designs = display.designs
-    rows = drawn(designs.done).index
-    outputs = [name for name in designs.outputs if designs.done[name].notna().any()]
+    rows = thin_designs(designs.successes).index
+    outputs = [name for name in designs.outputs if designs.successes[name].notna().any()]
     if not len(rows) or not outputs:
         return None
-    across, up, groups = designs.parameters[0], _preferred(outputs), _groups(designs, rows)
+    across, up, groups = designs.parameters[0], _main_output(outputs), _groups(designs, rows)
     # numbers as they are: what is drawn of a sealed design is a place, no leak rate
     told = [*designs.parameters, *outputs[:FEW]]
 
@@ -107,7 +117,7 @@ def response_plot(display: Display) -> Figure | None:
                 "label": display.label(name),
                 "method": "update",
                 "args": [
-                    {side: [display.placed(group, name) for _, group, _ in groups]},
+                    {side: [display.axis_values(group, name) for _, group, _ in groups]},
                     {f"{side}axis.{key}": value for key, value in display.axis(name).items()}
                     | ({"shapes": _lines(display, y=name)} if side == "y" else {}),
                 ],
@@ -124,7 +134,7 @@ def response_plot(display: Display) -> Figure | None:
         "responses",
         xaxis=display.axis(across),
         yaxis=display.axis(up),
-        showlegend=designs.some_do_not_count,
+        showlegend=designs.has_ineligible,
         shapes=_lines(display, y=up),
         updatemenus=[
             menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(up)),
@@ -138,14 +148,14 @@ def map_plot(display: Display) -> Figure | None:
     designs, names = display.designs, display.designs.numeric_parameters
     if designs.kind != "grid" or len(designs.parameters) != 2 or len(names) != 2:
         return None
-    output = _preferred(designs.outputs)
-    grid = designs.done.drop_duplicates(names)
+    output = _main_output(designs.outputs)
+    grid = designs.successes.drop_duplicates(names)
     table = grid.pivot(index=names[1], columns=names[0], values=output)
     if min(table.shape) < 2 or table.size > 200_000 or not np.isfinite(table.to_numpy(dtype=float)).any():
         return None
-    values = display.shown(output, table)
+    values = display.convert(output, table)
     logarithmic = spans_a_decade(values)
-    shown = np.log10(lifted(values)) if logarithmic else values
+    shown = np.log10(lift_zeros(values)) if logarithmic else values
     bar: dict[str, Any] = {"title": {"text": display.label(output), "side": "right"}}
     steps: dict[str, float] = {}
     if logarithmic:
@@ -154,22 +164,22 @@ def map_plot(display: Display) -> Figure | None:
         steps = {"start": float(ticks[1]), "end": float(ticks[-2]), "size": float(ticks[1] - ticks[0])}
     contour = _trace(
         "map",
-        x=display.shown(names[0], table.columns).tolist(),
-        y=display.shown(names[1], table.index).tolist(),
-        z=_nulls(shown),
-        customdata=_nulls(values),
+        x=display.convert(names[0], table.columns).tolist(),
+        y=display.convert(names[1], table.index).tolist(),
+        z=_replace_nan(shown),
+        customdata=_replace_nan(values),
         colorbar=bar,
         contours=steps,
     )
     # a usual surface within the limit says little where it is known how often all of them keep it
-    likely = PASSES in designs.done
+    likely = PASSES in designs.successes
     of_line = grid.pivot(index=names[1], columns=names[0], values=PASSES).to_numpy() if likely else shown
     levels = [one["y0"] for one in _lines(display, y=output)]
     levels = [designs.confidence] if likely else [math.log10(one) if logarithmic else one for one in levels]
     allowed = [
         {
             **contour,
-            "z": _nulls(of_line),
+            "z": _replace_nan(of_line),
             "contours": {"start": at, "end": at, "size": 1.0, "coloring": "none"},
             "line": _LINE,
             "showscale": False,
@@ -179,7 +189,7 @@ def map_plot(display: Display) -> Figure | None:
     ]
     crosses = [
         _trace("crosses", **_points(display, rows, names[0], names[1], [*names, output]), name=name)
-        for name, rows, look in _groups(designs, designs.done.index)
+        for name, rows, look in _groups(designs, designs.successes.index)
         if look == "not_counting"
     ]
     return _figure(
@@ -190,23 +200,23 @@ def map_plot(display: Display) -> Figure | None:
 def parallel_plot(display: Display) -> Figure | None:
     """What varies side by side, one line per design; designs that do not count grey."""
     designs = display.designs
-    table = drawn(designs.done)
+    table = thin_designs(designs.successes)
     inputs = [name for name in designs.parameters if table[name].nunique() > 1]
-    outputs = designs.telling_outputs
-    rows = complete(table, outputs)
+    outputs = designs.informative_outputs
+    rows = complete_rows(table, outputs)
     if len(rows) < 2 or len(inputs) + len(outputs) < 2:
         return None
     dimensions = [_dimension(display, rows, name) for name in [*inputs, *outputs]]
-    coloured = dimensions[len(inputs) + outputs.index(_preferred(outputs))] if outputs else dimensions[0]
-    meets = designs.counted.loc[rows].to_numpy()
-    if designs.some_do_not_count:
+    coloured = dimensions[len(inputs) + outputs.index(_main_output(outputs))] if outputs else dimensions[0]
+    meets = designs.eligible.loc[rows].to_numpy()
+    if designs.has_ineligible:
         label = "counts" if designs.left_out else "meets the constraints"
         dimensions.append(_words_axis(label, ["no", "yes"], meets.astype(int).tolist()))
     lines = _trace("parallel", dimensions=dimensions, line=_colours(coloured, meets))
     return _figure([lines], "parallel")
 
 
-def complete(table: pd.DataFrame, outputs: list[str]) -> pd.Index:
+def complete_rows(table: pd.DataFrame, outputs: list[str]) -> pd.Index:
     """Designs that have a number in all of these columns."""
     return table.index[np.isfinite(table[outputs].to_numpy(dtype=float)).all(axis=1)]
 
@@ -224,13 +234,13 @@ def _words_axis(label: str, words: list[str], values: list[int]) -> dict[str, An
 
 def _ticks(numbers: ArrayLike, values: ArrayLike) -> list[str]:
     """Texts of ticks: the lowest is zero where that is the smallest value."""
-    texts = [short(one, 3) for one in np.asarray(numbers, dtype=float).tolist()]
+    texts = [short_number(one, 3) for one in np.asarray(numbers, dtype=float).tolist()]
     return ["0", *texts[1:]] if np.nanmin(np.asarray(values, dtype=float)) == 0 else texts
 
 
 def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
     """One axis of parallel coordinates: words, or numbers or their logarithms with a few ticks."""
-    shown = display.placed(rows, name)
+    shown = display.axis_values(rows, name)
     if isinstance(shown[0], str):
         # the description of a study lists the first words of very many only
         words = list(dict.fromkeys([*display.levels(name), *shown]))
@@ -279,11 +289,11 @@ def _colours(dimension: dict[str, Any], meets: BoolArray) -> dict[str, Any]:
     }
 
 
-def _preferred(outputs: list[str]) -> str:
+def _main_output(outputs: list[str]) -> str:
     return LEAK_RATE if LEAK_RATE in outputs else outputs[0]
 
 
-def _nulls(values: Any) -> Any:
+def _replace_nan(values: Any) -> Any:
     """Lists with null in place of NaN, which JSON does not know."""
     array = np.asarray(values, dtype=object)
     array[~np.isfinite(np.asarray(values, dtype=float))] = None
@@ -297,7 +307,10 @@ def pareto_plot(display: Display) -> Figure | None:
         return None
     names = list(goals.columns)
     on_front = pareto_front(goals.to_numpy())
-    groups = {"others": drawn(goals[~on_front]).index, "front": goals[on_front].sort_values(names).index}
+    groups = {
+        "others": thin_designs(goals[~on_front]).index,
+        "front": goals[on_front].sort_values(names).index,
+    }
     told = [*names, *display.designs.parameters]
     traces = [
         _trace(look, **_points(display, rows, names[0], names[1], told)) for look, rows in groups.items()
@@ -321,17 +334,17 @@ def search_plot(display: Display) -> Figure | None:
                 look,
                 type="scatter",
                 x=rows.tolist(),
-                y=display.placed(rows, name),
+                y=display.axis_values(rows, name),
                 name=legend,
                 legendgroup=legend,
                 text=display.hover(rows, [*names, *designs.parameters]),
                 hoverinfo="text",
             )
-            for legend, rows, look in _groups(designs, drawn(designs.done).index)
+            for legend, rows, look in _groups(designs, thin_designs(designs.successes).index)
         ]
-        best = designs.goals[name].reindex(designs.done.index).cummin().ffill().dropna()
-        so_far = display.shown(name, designs.sign(name) * best)
-        so_far = (lifted(so_far) if display.logarithmic(name) else so_far).tolist()
+        best = designs.goals[name].reindex(designs.successes.index).cummin().ffill().dropna()
+        so_far = display.convert(name, designs.sign(name) * best)
+        so_far = (lift_zeros(so_far) if display.logarithmic(name) else so_far).tolist()
         traces.append(_trace("best_so_far", x=best.index.tolist(), y=so_far))
         for trace in traces:
             figure.add_trace({**trace, "showlegend": place == 1}, row=place, col=1)
@@ -345,13 +358,13 @@ def search_plot(display: Display) -> Figure | None:
 
 def distribution_plot(display: Display) -> Figure | None:
     """How often which leak rate occurs, and the share of the designs that leak less."""
-    done = display.designs.done
+    done = display.designs.successes
     if LEAK_RATE not in done or done[LEAK_RATE].dropna().empty:
         return None
-    leak_rate = np.sort(display.placed(done[LEAK_RATE].dropna().index, LEAK_RATE))
+    leak_rate = np.sort(display.axis_values(done[LEAK_RATE].dropna().index, LEAK_RATE))
     step = max(1, len(leak_rate) // 1000)
 
-    def below(values: FloatArray) -> dict[str, Any]:
+    def cumulative_shares(values: FloatArray) -> dict[str, Any]:
         picked = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
         return {"x": values[picked].tolist(), "y": ((picked + 1) / len(values)).tolist()}
 
@@ -372,12 +385,12 @@ def distribution_plot(display: Display) -> Figure | None:
         # in the unit of the other curve
         _trace(
             "share_below_beside",
-            **below(np.sort(display.shown(LEAK_RATE, rates))),
+            **cumulative_shares(np.sort(display.convert(LEAK_RATE, rates))),
             name=f"share below, surface {SCENARIOS[name].title}",
         )
         for name, rates in other_leak_rates(display.designs).items()
     ]
-    curve = _trace("share_below", **below(leak_rate))
+    curve = _trace("share_below", **cumulative_shares(leak_rate))
     axis = display.axis(LEAK_RATE)
     return _figure([bars, curve, *others], "distribution", xaxis=axis, shapes=_lines(display, x=LEAK_RATE))
 
@@ -425,7 +438,7 @@ def preview(designs: Designs) -> str:
     ----------
     designs : Designs
     """
-    picture = _picture(designs) if designs.parameters and designs.outputs and len(designs.done) else ""
+    picture = _picture(designs) if designs.parameters and designs.outputs and len(designs.successes) else ""
     return f"<p><b>{escape(str(designs.about['title']))}</b></p>{table_html(designs.table)}{picture}"
 
 
@@ -434,15 +447,17 @@ def _picture(designs: Designs) -> str:
 
     display = Display(designs)
     x, y = designs.parameters[0], designs.outputs[0]
-    rows = designs.done.index
-    counted = designs.counted.loc[rows].to_numpy()
+    rows = designs.successes.index
+    counted = designs.eligible.loc[rows].to_numpy()
     with style():
         figure = Figure(figsize=(5.5, 3.5), layout="constrained")
         axes = figure.add_subplot()
         axes.grid(True)
         for which, colour in ((~counted, GREY), (counted, BLUE)):
             if which.any():
-                axes.scatter(display.placed(rows[which], x), display.placed(rows[which], y), s=14, c=colour)
+                axes.scatter(
+                    display.axis_values(rows[which], x), display.axis_values(rows[which], y), s=14, c=colour
+                )
         axes.set(xlabel=display.label(x), ylabel=display.label(y))
         for name, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
             if display.logarithmic(name):

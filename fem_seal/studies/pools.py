@@ -12,8 +12,8 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.processes import usable_cores
 from fem_seal.studies.store import Row
-from fem_seal.studies.tables import named
-from fem_seal.studies.time_limit import OvertimeError, ended_after, slow_line
+from fem_seal.studies.tables import design_text
+from fem_seal.studies.time_limit import OvertimeError, end_after, slow_line
 from fem_seal.studies.work import DesignSpec, calculate, overtime_row
 from fem_seal.studies.worker_pool import WorkerPool, Workers
 
@@ -47,10 +47,10 @@ class OwnProcess:
 
     def _rows(self, spec: DesignSpec, point: FloatArray) -> list[Row]:
         def slow(seconds: float) -> None:
-            self.note(slow_line(named(spec.parameters, point), seconds, spec.time_limit))
+            self.note(slow_line(design_text(spec.parameters, point), seconds, spec.time_limit))
 
         try:
-            with ended_after(spec.time_limit, slow, lambda: self.stuck(overtime_row(spec, point))):
+            with end_after(spec.time_limit, slow, lambda: self.stuck(overtime_row(spec, point))):
                 return calculate(spec, point[None])
         except OvertimeError:
             return [overtime_row(spec, point)]
@@ -60,7 +60,7 @@ Pool: TypeAlias = OwnProcess | WorkerPool
 
 
 @contextmanager
-def pool(
+def open_pool(
     client: Client | Workers | None,
     workers: int | None,
     scheduler: str | None,
@@ -95,10 +95,10 @@ def pool(
     if isinstance(client, Workers):
         yield WorkerPool(client, retries, note)
     elif client is not None:
-        yield cluster.on_cluster(client, retries, note)
+        yield cluster.cluster_pool(client, retries, note)
     elif scheduler is not None:
-        with cluster.connected(scheduler) as own:
-            yield cluster.on_cluster(own, retries, note)
+        with cluster.connect_client(scheduler) as own:
+            yield cluster.cluster_pool(own, retries, note)
     elif workers == 0:
         yield OwnProcess(note, stuck)
     else:

@@ -129,16 +129,18 @@ def evaluate_designs(
     sources = {n: _source(case, columns, interpolate) for n, case in cases.items()}
     problems = batch.each(cases, lambda number: SealProblem.of(cases[number]))
     solved = evaluate_many(problems, sources, batch)
-    loads = batch.each(solved, lambda number: _with_answers(solved[number], cases[number], columns))
+    loads = batch.each(solved, lambda number: _add_answers(solved[number], cases[number], columns))
     # for the checks alone the table would take too long
     passing, both = not PASSING.isdisjoint(columns), not _BESIDE.isdisjoint(columns)
     leaks = passing or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
         for step in _leaks(other=both):
-            batch.each(loads, lambda number: _if_any(lambda: step(loads[number]), None))  # noqa: B023
+            batch.each(loads, lambda number: _calculate_or_default(lambda: step(loads[number]), None))  # noqa: B023
     told = batch.each(
         loads,
-        lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),
+        lambda n: _check_validity(
+            solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate
+        ),
     )
     return batch.each(told, lambda number: _result(told[number], columns))
 
@@ -152,7 +154,7 @@ def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     return _SOURCES[stress, interpolate]
 
 
-def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> CaseLoad:
+def _add_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> CaseLoad:
     """The only load of a design with the answers that its columns need."""
     answers: list[Answer[Any]] = [OPENING]
     if any(map(is_target, columns)):
@@ -166,7 +168,7 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Case
     return answered(solved_seal(found, case), Request(found.solver, SILENT), answers).loads[0]
 
 
-def _checked(
+def _check_validity(
     found: Evaluation,
     load: CaseLoad,
     case: Case,
@@ -181,7 +183,7 @@ def _checked(
     usual_only = leaks and not (sampled or passing)
     by_table = partial(validity_of, by_table=leaks and interpolated)
     judged_by = partial(load.validity_by, partial(by_table, usual_only=usual_only), found)
-    load = load.with_values(validity=_if_any(judged_by, NOT_JUDGED))
+    load = load.with_values(validity=_calculate_or_default(judged_by, NOT_JUDGED))
     known = True
     if sampled:
         request, seal = Request(found.solver, SILENT), solved_seal(found, case).with_loads([load])
@@ -189,9 +191,11 @@ def _checked(
         known = UNCERTAINTY.of(request.answers) is not None
         if not known:
             judged_by = partial(load.validity_by, partial(by_table, usual_only=True), found)
-            load = load.with_values(validity=_if_any(judged_by, NOT_JUDGED))
+            load = load.with_values(validity=_calculate_or_default(judged_by, NOT_JUDGED))
     judgement = (
-        _if_any(partial(load_verdict, case, load, sampled=known), None) if "margin" in columns else None
+        _calculate_or_default(partial(load_verdict, case, load, sampled=known), None)
+        if "margin" in columns
+        else None
     )
     likely: PassProbability | None = None
     if passing:
@@ -200,18 +204,18 @@ def _checked(
         except _FAILURES as error:
             if PASSING.issuperset(columns):
                 raise
-            load = _without("pass_probability", error, load)
+            load = _drop_column("pass_probability", error, load)
     return load.with_values(judgement=judgement, passing=likely)
 
 
-def _without(column: str, error: Exception, load: Load) -> Load:
+def _drop_column(column: str, error: Exception, load: Load) -> Load:
     """A load of which one column could not be calculated."""
     told = f"{column} could not be calculated: {error_text(error)}"
     cautions = (*load.validity.cautions, Finding("not calculated", Level.DOUBTFUL, told, told))
     return load.with_values(validity=Validity.of(cautions))
 
 
-def _if_any(calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+def _calculate_or_default(calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
     """What `calculate` gives or, where that cannot be calculated, `otherwise`."""
     with suppress(*_FAILURES):
         return calculate()
@@ -230,13 +234,13 @@ def _validity(load: CaseLoad, columns: Sequence[str]) -> Validity:
 def _leaks(*, other: bool) -> Iterator[Callable[[CaseLoad], object]]:
     """Leak rate of a load, and those of the scenarios beside, each kind of work by itself."""
 
-    def every(load: CaseLoad) -> tuple[CaseLoad, ...]:
+    def all_scenarios(load: CaseLoad) -> tuple[CaseLoad, ...]:
         return (load, *(load.others.values() if other else ()))
 
-    yield lambda load: [one.rough and one.rough.table for one in every(load)]
+    yield lambda load: [one.rough and one.rough.table for one in all_scenarios(load)]
     yield lambda load: [one.contact for one in load.profiles]
     yield lambda load: [one.contact.panels for one in load.profiles]
-    yield lambda load: [one.leak for one in every(load)]
+    yield lambda load: [one.leak for one in all_scenarios(load)]
 
 
 def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
@@ -247,7 +251,7 @@ def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
         except _FAILURES as error:
             found[column] = math.nan
             failed.append(error)
-            load = _without(column, error, load)
+            load = _drop_column(column, error, load)
     if failed and all(map(math.isnan, found.values())):
         raise failed[0]
     if "margin" in found:

@@ -18,11 +18,11 @@ from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import folder_lock
 from fem_seal.output.prose import phrase
 from fem_seal.studies.cost import design_seconds
-from fem_seal.studies.pools import Pool, pool
+from fem_seal.studies.pools import Pool, open_pool
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create, open_to_read
-from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
+from fem_seal.studies.time_limit import OvertimeError, end_after, overtime_reason
 from fem_seal.studies.work import DesignSpec, check_unchanged, chunks
 from fem_seal.studies.worker_pool import KEPT, Workers
 from fem_seal.units import duration
@@ -84,7 +84,7 @@ def run_study(
     progress = progress or Progress()
     started = time.perf_counter()
 
-    def stuck(row: Row | None) -> None:
+    def record_stuck(row: Row | None) -> None:
         # from another thread, while this one's connection waits for the design
         if row is not None:
             with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
@@ -96,17 +96,19 @@ def run_study(
     try:
         # the folder comes last: nothing is left in it, and nothing in it changed, if there is no one to calculate
         with (
-            pool(client, workers, scheduler, study.run_settings.retries, progress.note, stuck) as ready,
+            open_pool(
+                client, workers, scheduler, study.run_settings.retries, progress.note, record_stuck
+            ) as ready,
             folder_lock(place),
         ):
-            _set_aside(study, place / FILE, progress)
+            _move_former_results(study, place / FILE, progress)
             store = create(place / FILE, _column_types(study), study.output_names)
             with closing(store):
                 if retry_failed:
                     store.forget_failures()
                 _calculate(study, store, ready, progress)
                 store.describe(last_run_seconds=time.perf_counter() - started)
-                _keep_fields(study, store, place, progress, lambda: stuck(None))
+                _keep_fields(study, store, place, progress, lambda: record_stuck(None))
     except BaseException as error:
         if temporary:
             shutil.rmtree(place, ignore_errors=True)
@@ -116,7 +118,7 @@ def run_study(
     return StudyResult(place, temporary=temporary)
 
 
-def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
+def _move_former_results(study: StudyPlan, path: Path, progress: Progress) -> None:
     """Designs by the paper's theory, which have columns that the corrected one has not, stay in a file of their own."""
     if not path.exists():
         return
@@ -159,7 +161,7 @@ def _fill(spec: DesignSpec, store: Store, pool: Pool, study: StudyPlan, progress
     progress.begin(len(study.points), done)
     todo = chunks(spec, study.points)
     try:
-        for rows in pool.results(spec, _missing(spec, store, todo) if done else todo):
+        for rows in pool.results(spec, _missing_chunks(spec, store, todo) if done else todo):
             check_unchanged(spec.files)
             store.write(rows)
             progress.advance(len(rows), sum(row.reason is not None for row in rows))
@@ -167,7 +169,7 @@ def _fill(spec: DesignSpec, store: Store, pool: Pool, study: StudyPlan, progress
         progress.end()
 
 
-def _missing(spec: DesignSpec, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
+def _missing_chunks(spec: DesignSpec, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
     """Chunks without the designs that have a row already."""
     for chunk in all_chunks:
         keys = [spec.key(point) for point in chunk]
@@ -246,7 +248,7 @@ def _keep_fields(
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
-        if _key_in(mark) == key:
+        if _read_key(mark) == key:
             continue
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
         changes = {
@@ -255,7 +257,7 @@ def _keep_fields(
         mark.unlink(missing_ok=True)
         limit = study.run_settings.time_limit
         try:
-            with ended_after(limit, stuck=stuck):
+            with end_after(limit, stuck=stuck):
                 run(study.case.replace_written(changes)).write(place)
         except OvertimeError:
             progress.note(phrase("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
@@ -263,7 +265,7 @@ def _keep_fields(
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
 
 
-def _key_in(mark: Path) -> str | None:
+def _read_key(mark: Path) -> str | None:
     """Key of the design whose complete results lie beside a mark; None if it says nothing."""
     try:
         return str(parse_json(read_text(mark))["key"])

@@ -140,7 +140,7 @@ class Store:
             with self._connection:
                 yield
         except sqlite3.Error as error:
-            raise _fault(self.path, error) from error
+            raise _write_error(self.path, error) from error
 
     def check_place(self) -> None:
         """OutputError if the file is no longer where it was opened: what is written then is lost."""
@@ -172,9 +172,9 @@ class Store:
 
     def stored_keys(self, keys: Sequence[str]) -> set[str]:
         """Those of the keys that have a row."""
-        return {key for (key,) in self._selected("key", keys)}
+        return {key for (key,) in self._select("key", keys)}
 
-    def _selected(self, columns: str, keys: Sequence[str]) -> Iterator[tuple[Any, ...]]:
+    def _select(self, columns: str, keys: Sequence[str]) -> Iterator[tuple[Any, ...]]:
         """Columns of the rows of some keys."""
         for start in range(0, len(keys), _AT_ONCE):
             part = keys[start : start + _AT_ONCE]
@@ -185,7 +185,7 @@ class Store:
         """Rows of some keys."""
         columns = self._query_columns("key", "reason", "seconds", *TOLD)
         found, split = {}, len(self.inputs)
-        for key, reason, seconds, level, why, verdict, *values in self._selected(columns, keys):
+        for key, reason, seconds, level, why, verdict, *values in self._select(columns, keys):
             inputs = tuple(
                 bool(value) if truth else value
                 for value, truth in zip(values[:split], self._truths, strict=True)
@@ -196,7 +196,7 @@ class Store:
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows, all of them or - if the process dies - none."""
         about = attrgetter(*ABOUT_ROW, *TOLD)
-        columns = (*ABOUT_ROW, *TOLD, *map(quoted, self.inputs), *map(quoted, self.outputs))
+        columns = (*ABOUT_ROW, *TOLD, *map(quote_column, self.inputs), *map(quote_column, self.outputs))
         values = [(*about(row), *row.inputs, *row.outputs) for row in rows]
         insert = f"INSERT OR IGNORE INTO point ({', '.join(columns)}) VALUES ({','.join('?' * len(columns))})"
         with self._transaction():
@@ -251,7 +251,7 @@ class Store:
 
     def _query_columns(self, *first: str) -> str:
         """Columns of a query: the first ones, then parameters and outputs."""
-        named = map(quoted, (*self.inputs, *self.outputs))
+        named = map(quote_column, (*self.inputs, *self.outputs))
         return ", ".join([*first, *named])
 
     def close(self) -> None:
@@ -291,9 +291,9 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
         if connection is not None:
             connection.close()
         if isinstance(error, sqlite3.Error):
-            raise _fault(path, error) from error
+            raise _write_error(path, error) from error
         if isinstance(error, UnicodeDecodeError):
-            raise damaged(path, error) from None
+            raise damage_error(path, error) from None
         raise
     return Store(connection, path, tuple(inputs), tuple(outputs))
 
@@ -309,8 +309,8 @@ def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs:
             "CREATE TABLE IF NOT EXISTS design (number INTEGER PRIMARY KEY, key TEXT NOT NULL)"
         )
         listed = [f"{name} TEXT" for name in TOLD]
-        listed += [f"{quoted(name)} {kind}" for name, kind in inputs.items()]
-        listed += [f"{quoted(name)} REAL" for name in outputs]
+        listed += [f"{quote_column(name)} {kind}" for name, kind in inputs.items()]
+        listed += [f"{quote_column(name)} REAL" for name in outputs]
         connection.execute(
             "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
             f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
@@ -327,22 +327,22 @@ def open_to_read(path: Path) -> Store:
     """
     try:
         check_file(path, sys.maxsize)
-        connection = _opened(path)
+        connection = _open_connection(path)
     except UnicodeDecodeError as error:
-        raise damaged(path, error) from None
+        raise damage_error(path, error) from None
     except (sqlite3.Error, UnreadableFileError) as error:
         if getattr(error, "sqlite_errorname", "") == "SQLITE_CORRUPT":
-            raise damaged(path, error) from None
+            raise damage_error(path, error) from None
         raise InputError(problem("study_not_there", folder=path.parent, name=path.name)) from None
     try:
-        inputs, outputs = _checked_once(connection, path)
+        inputs, outputs = _check_cached(connection, path)
     except InputError:
         connection.close()
         raise
     return Store(connection, path, inputs, outputs)
 
 
-def _opened(path: Path) -> sqlite3.Connection:
+def _open_connection(path: Path) -> sqlite3.Connection:
     """Connection that reads a study file, also one that is being written, and one where nothing can be written."""
     # a reader writes, too: it tells writers what it is reading
     connection = _connect(path, "mode=rw")
@@ -368,7 +368,7 @@ def _opened(path: Path) -> sqlite3.Connection:
     return connection
 
 
-def _checked_once(connection: sqlite3.Connection, path: Path) -> _Columns:
+def _check_cached(connection: sqlite3.Connection, path: Path) -> _Columns:
     """Parameters and outputs of a file, which is looked through once for each of its states."""
     file, state = _state(path)
     before, columns = _looked_through.get(file, (None, ((), ())))
@@ -398,9 +398,9 @@ def _check_pages(connection: sqlite3.Connection, path: Path) -> None:
     try:
         ((found, *_), *_) = connection.execute("PRAGMA integrity_check(1)")
     except sqlite3.Error as error:
-        raise damaged(path, error) from None
+        raise damage_error(path, error) from None
     if found != "ok":
-        raise damaged(path, found)
+        raise damage_error(path, found)
 
 
 def _check_contents(connection: sqlite3.Connection, path: Path) -> _Columns:
@@ -413,11 +413,11 @@ def _check_contents(connection: sqlite3.Connection, path: Path) -> _Columns:
         inputs = len(about["inputs"])
         check_rows(connection, kinds, inputs)
     except (sqlite3.Error, ValueError) as error:
-        raise damaged(path, error) from None
+        raise damage_error(path, error) from None
     return columns[:inputs], columns[inputs:]
 
 
-def damaged(path: Path, why: object) -> InputError:
+def damage_error(path: Path, why: object) -> InputError:
     """What is said of a study file that does not hold what a study writes.
 
     Parameters
@@ -428,11 +428,11 @@ def damaged(path: Path, why: object) -> InputError:
     return InputError(problem("study_damaged", path=path, reason=" ".join(str(why).split())))
 
 
-def _fault(path: Path, error: sqlite3.Error) -> InputError | OutputError:
+def _write_error(path: Path, error: sqlite3.Error) -> InputError | OutputError:
     """What an error while writing means: a full disc and the like, or a damaged file."""
     if isinstance(error, sqlite3.OperationalError):
         return OutputError(f"{path}: cannot be written ({error})")
-    return damaged(path, error)
+    return damage_error(path, error)
 
 
 def _connect(path: Path, how: str) -> sqlite3.Connection:
@@ -448,13 +448,13 @@ def _columns(connection: sqlite3.Connection) -> dict[str, str]:
 _Finite = Annotated[float, Field(ge=-_LARGEST_READ, le=_LARGEST_READ)]
 
 
-class _Told(BaseModel):
+class _Facts(BaseModel):
     """Nothing is converted; what other versions say besides is let be."""
 
     model_config = ConfigDict(strict=True, extra="ignore")
 
 
-class _Parameter(_Told):
+class _Parameter(_Facts):
     name: str
     unit: str
     numeric: bool
@@ -472,17 +472,17 @@ class _Parameter(_Told):
         return self
 
 
-class _Design(_Told):
+class _Design(_Facts):
     kind: Kind
     optimise: bool
 
 
-class _Seal(_Told):
+class _Seal(_Facts):
     nominal_size: Annotated[float, Field(gt=0, le=_LARGEST_READ)] | None
     gas: bool
 
 
-class _About(_Told):
+class _About(_Facts):
     """What readers ask of `fem_seal.studies.session.description`."""
 
     version: str
@@ -564,13 +564,16 @@ def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs:
     """
     texts = ["key", "status", "reason", *TOLD]
     texts += [name for name, kind in list(kinds.items())[:inputs] if kind == "TEXT"]
-    conditions = list(_wrong(kinds, inputs))
+    conditions = list(_violated_conditions(kinds, inputs))
     missed = ", ".join(f"MAX(NOT ({one}))" for one in conditions)
     for one, found in zip(conditions, *connection.execute(f"SELECT {missed} FROM point"), strict=True):
         if found:
             raise StoredError(f"a row holds what no study writes, not {one}")
     # read once, because only reading shows what is no text
-    for query in (f"SELECT {', '.join(map(quoted, texts))} FROM point", "SELECT number, key FROM design"):
+    for query in (
+        f"SELECT {', '.join(map(quote_column, texts))} FROM point",
+        "SELECT number, key FROM design",
+    ):
         for _ in connection.execute(query):
             pass
     query = "SELECT 1 FROM design WHERE number < 0 OR typeof(key) != 'text' LIMIT 1"
@@ -578,7 +581,7 @@ def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs:
         raise StoredError("a design has no number or no key")
 
 
-def _wrong(kinds: Mapping[str, str], inputs: int) -> Iterator[str]:
+def _violated_conditions(kinds: Mapping[str, str], inputs: int) -> Iterator[str]:
     """What holds of every row, in SQL."""
     yield "typeof(key) = 'text'"
     yield f"(status = '{DONE}' AND reason IS NULL) OR (status = '{FAILED}' AND typeof(reason) = 'text')"
@@ -588,7 +591,7 @@ def _wrong(kinds: Mapping[str, str], inputs: int) -> Iterator[str]:
         yield f"{name} IS NULL OR {name} IN ({listed})"
     yield "typeof(validity_reasons) IN ('null', 'text')"
     for place, (name, kind) in enumerate(kinds.items()):
-        column = quoted(name)
+        column = quote_column(name)
         if place >= inputs:
             yield f"{column} IS NULL OR ({_number(column)})"
         elif kind == TRUTH:
@@ -602,7 +605,7 @@ def _number(column: str) -> str:
     return f"{column} IS NOT NULL AND +{column} BETWEEN {-_LARGEST_READ!r} AND {_LARGEST_READ!r}"
 
 
-def storable(value: float) -> float | None:
+def stored_number(value: float) -> float | None:
     """A number as a study keeps it.
 
     Examples
@@ -615,6 +618,6 @@ def storable(value: float) -> float | None:
     return value if abs(value) >= SMALLEST else 0.0
 
 
-def quoted(name: str) -> str:
+def quote_column(name: str) -> str:
     """A column as SQL writes it."""
     return '"' + name.replace('"', '""') + '"'

@@ -96,7 +96,7 @@ class Study(plan.StudyPlan):
         self.file = file
         case = base if isinstance(base, Case) else load_case(folder / base)
         changes = with_files(read.changes, lambda named: str(folder / named))
-        case = _changed(case, changes, read.parameters)
+        case = _change_case(case, changes, read.parameters)
         self.written = dict(tables)
         self.title = read.title or (file.stem if file else case.title)
         self.design = read.design
@@ -124,7 +124,7 @@ class Study(plan.StudyPlan):
             if design.file is None:
                 raise InputError(problem("study_list_without_file"))
             self.case, self.parameters, self.points = designs.read_list(folder / design.file, case)
-            self.parameters = tuple(_placed(parameter, folder) for parameter in self.parameters)
+            self.parameters = tuple(_resolve_files(parameter, folder) for parameter in self.parameters)
         else:
             self.parameters = _read_parameters(case, read.parameters, folder)
             plan.check_design(design, self.parameters, read.optimise is not None)
@@ -225,7 +225,7 @@ def _base_and_tables(
 
 def _read_tables(tables: dict[str, Any]) -> StudyTables:
     given = {
-        name: _dotted(value, name) if name in ("changes", "parameters") else value
+        name: _flatten_paths(value, name) if name in ("changes", "parameters") else value
         for name, value in tables.items()
     }
     try:
@@ -241,7 +241,7 @@ def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _dotted(table: Any, heading: str) -> Any:
+def _flatten_paths(table: Any, heading: str) -> Any:
     """Paths as one key each: ``seat.angle = ...`` without quotes is a nested table in TOML."""
     if not isinstance(table, dict):
         return table
@@ -249,7 +249,7 @@ def _dotted(table: Any, heading: str) -> Any:
     for key, value in table.items():
         nested = {key: value}
         if isinstance(value, dict) and value and not set(value) & {"start", "stop", "num", "distribution"}:
-            below = _dotted(value, f"{heading}.{key}")
+            below = _flatten_paths(value, f"{heading}.{key}")
             nested = {f"{key}.{name}": entry for name, entry in below.items()}
         for path, entry in nested.items():
             if path in flat:
@@ -258,7 +258,7 @@ def _dotted(table: Any, heading: str) -> Any:
     return flat
 
 
-def _changed(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, Any]) -> Case:
+def _change_case(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, Any]) -> Case:
     """The base case with the changes; if these need it, with values of the parameters, which every design replaces."""
     if not changes:
         return case
@@ -298,11 +298,11 @@ def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tupl
             raise InputError.at(f"parameters.{path}", error.message) from None
         # an absolute pressure is above that at the outlet, which may differ from design to design
         fluid = None if any(path.startswith("fluid.") for path in given) else case.written.get("fluid")
-        read.append(_placed(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))
+        read.append(_resolve_files(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))
     return tuple(read)
 
 
-def _placed(parameter: Parameter, folder: Path) -> Parameter:
+def _resolve_files(parameter: Parameter, folder: Path) -> Parameter:
     """Files that a parameter names are looked for beside the study file."""
     if not parameter.name.endswith(".file"):
         return parameter

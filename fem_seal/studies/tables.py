@@ -91,7 +91,7 @@ def entries(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray
     }
 
 
-def named(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> str:
+def design_text(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> str:
     """A design for people: the values of its parameters, see `entries`."""
     values = zip(parameters, point, strict=True)
     return ", ".join(f"{one.name} = {one.entry.shown(one.value(number))}" for one, number in values)
@@ -327,7 +327,7 @@ def _parameter() -> dict[str, Any]:
     one_of_them = [
         {
             "if": {"properties": {"distribution": {"const": name}}},
-            "then": _only({key: {} for key in ("distribution", *keys)}, keys),
+            "then": _object_schema({key: {} for key in ("distribution", *keys)}, keys),
         }
         for name, (keys, _) in DISTRIBUTIONS.items()
     ]
@@ -339,11 +339,11 @@ def _parameter() -> dict[str, Any]:
             {"if": {"type": "object", "required": ["distribution"]}, "then": distribution},
             {
                 "if": {"type": "object", "required": ["start"]},
-                "then": _only({key: limits.get(key, {}) for key in RANGE_KEYS}, RANGE_KEYS[:3]),
+                "then": _object_schema({key: limits.get(key, {}) for key in RANGE_KEYS}, RANGE_KEYS[:3]),
             },
         ],
     }
 
 
-def _only(properties: dict[str, Any], required: Sequence[str]) -> dict[str, Any]:
+def _object_schema(properties: dict[str, Any], required: Sequence[str]) -> dict[str, Any]:
     return {"properties": properties, "required": list(required), "additionalProperties": False}

@@ -111,7 +111,7 @@ class Watch:
 
 
 @contextmanager
-def ended_after(
+def end_after(
     limit: float,
     slow: Callable[[float], None] = lambda seconds: None,
     stuck: Callable[[], None] = lambda: None,
@@ -138,7 +138,7 @@ def ended_after(
     interrupting = ended = False
     usual: Any = None
 
-    def interrupted(number: int, frame: Any) -> None:
+    def raise_overtime(number: int, frame: Any) -> None:
         nonlocal interrupting
         if not interrupting:
             if callable(usual):
@@ -159,7 +159,7 @@ def ended_after(
 
     main = threading.current_thread() is threading.main_thread()
     if main:
-        usual = signal.signal(signal.SIGINT, interrupted)
+        usual = signal.signal(signal.SIGINT, raise_overtime)
     try:
         with Watch(limit) as watch, watch.turn(Block(slow, over)):
             try:

@@ -22,8 +22,8 @@ from fem_seal.errors import InputError
 from fem_seal.seal.evaluate import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
-from fem_seal.studies.store import Row, storable
-from fem_seal.studies.tables import Parameter, entries, named
+from fem_seal.studies.store import Row, stored_number
+from fem_seal.studies.tables import Parameter, design_text, entries
 from fem_seal.studies.time_limit import Block, Watch, overtime_reason, slow_line
 from fem_seal.version import __version__
 
@@ -175,7 +175,7 @@ def calculate(spec: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> list
     return [
         replace(rows[number], seconds=batch.seconds[number])
         if number in rows
-        else failed_row(spec, point, _reason(batch.failed[number]), batch.seconds[number])
+        else failed_row(spec, point, _reason_text(batch.failed[number]), batch.seconds[number])
         for number, point in enumerate(points)
     ]
 
@@ -211,7 +211,7 @@ def calculate_watched(
 
     def block(point: FloatArray) -> Block:
         def slow(seconds: float) -> None:
-            tell({"slow": slow_line(named(spec.parameters, point), seconds, spec.time_limit)})
+            tell({"slow": slow_line(design_text(spec.parameters, point), seconds, spec.time_limit)})
 
         def over(ended: Event) -> None:
             tell({"late": point.tolist(), "worker": worker, "replaceable": replaceable})
@@ -245,7 +245,7 @@ def _row(spec: DesignSpec, point: Sequence[float], design: DesignResult) -> Row:
     return Row(
         spec.key(point),
         spec.inputs(point),
-        outputs=tuple(storable(values[name]) for name in (*spec.columns, *spec.derived)),
+        outputs=tuple(stored_number(values[name]) for name in (*spec.columns, *spec.derived)),
         reason=None,
         seconds=0.0,
         validity=str(design.validity.level),
@@ -265,7 +265,7 @@ def overtime_row(spec: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
     return failed_row(spec, point, overtime_reason(spec.time_limit), spec.time_limit)
 
 
-def _reason(error: BaseException) -> str:
+def _reason_text(error: BaseException) -> str:
     text = " ".join(str(error).split())[:500]
     expected = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
     return text if expected and text else f"{type(error).__name__}: {text}"

@@ -40,7 +40,7 @@ class Workers(ABC):
         """Workers that are there."""
 
     @abstractmethod
-    def listening(self, put: Callable[[Any], None]) -> AbstractContextManager[None]:
+    def listen(self, put: Callable[[Any], None]) -> AbstractContextManager[None]:
         """Put here what workers say (see `fem_seal.studies.work.calculate_watched`), from other threads."""
 
     @abstractmethod
@@ -63,7 +63,7 @@ class Workers(ABC):
         """Whether nobody else calculates a chunk any more whose worker ends itself, or never ends it."""
         return False
 
-    def lost(self, tasks: Mapping[Any, Task]) -> list[Any]:
+    def take_back_lost(self, tasks: Mapping[Any, Task]) -> list[Any]:
         """After a silence: chunks that nobody calculates any more although nobody said so; they are taken back."""
         return []
 
@@ -100,14 +100,14 @@ class WorkerPool:
         InputError
             If a file of the designs has changed.
         """
-        course = _Course(self, spec, list(chunks))
-        with self.workers.listening(course.events.put):
+        course = _Schedule(self, spec, list(chunks))
+        with self.workers.listen(course.events.put):
             while course.hand_out():
-                if settled := course.settled():
+                if settled := course.wait_for_chunk():
                     yield from course.rows(*settled)
 
 
-class _Course:
+class _Schedule:
     """Which chunks workers have been given, and which are left.
 
     Parameters
@@ -133,7 +133,7 @@ class _Course:
         workers: list[str | None] = [*self._workers.names()] or [None]
         for worker in workers:
             while there[worker] < _AHEAD and len(self._tasks) < _AHEAD * len(workers):
-                chunk = self._queue.next(worker)
+                chunk = self._queue.take_chunk(worker)
                 if chunk is None:
                     break
                 there[worker] += 1
@@ -147,23 +147,23 @@ class _Course:
         self._tasks[future] = task
         future.add_done_callback(self.events.put)
 
-    def settled(self) -> tuple[Task, list[Row] | None] | None:
+    def wait_for_chunk(self) -> tuple[Task, list[Row] | None] | None:
         """Wait for a chunk: its rows, None if its workers died or a design is late. After a silence there is none."""
         try:
             future = self.events.get(timeout=HEARTBEAT)
         except Empty:
-            for future in self._workers.lost(self._tasks):
+            for future in self._workers.take_back_lost(self._tasks):
                 task = self._tasks.pop(future)
                 self._queue.give_back(task.worker, task.chunk)
             return None
         if isinstance(future, dict):
-            future = self._heard(**future)
+            future = self._handle_message(**future)
         # what was taken back settles as well
         if future not in self._tasks:
             return None
         return self._tasks.pop(future), self._workers.rows(future)
 
-    def _heard(
+    def _handle_message(
         self, slow: str = "", late: list[float] | None = None, worker: str = "", replaceable: bool = True
     ) -> Any:
         """What a worker says; the chunk of a design that has reached its time limit if a cluster would repeat it."""
@@ -206,7 +206,7 @@ class WorkQueue:
         names: list[str | None] = [*workers] or [None]
         self._parts = dict(zip(names, parts, strict=True))
 
-    def next(self, worker: str | None) -> FloatArray | None:
+    def take_chunk(self, worker: str | None) -> FloatArray | None:
         """The next chunk for a worker; who has none left, or is new, takes over half of the largest share."""
         own = self._parts.setdefault(worker, deque())
         if not own:

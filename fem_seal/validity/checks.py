@@ -20,15 +20,15 @@ from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import (
     DIGITS,
-    briefly,
-    fixed_beside,
+    fixed_at_limit,
     fixed_quantity,
     fixed_unit,
-    format_beside,
+    format_at_limit,
+    format_value,
     number,
-    rounded,
+    round_digits,
     share_text,
-    written,
+    short_quantity,
 )
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
@@ -274,7 +274,8 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
     """
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
     named = dict.fromkeys(
-        f"{briefly('force', one.applied_force)} at {written(one.fluid_pressure, '.4g bar')}" for one in ends
+        f"{short_quantity('force', one.applied_force)} at {format_value(one.fluid_pressure, '.4g bar')}"
+        for one in ends
     )
     for one in filter(lambda one: one.text, _at_target(problem, answers)):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {one.text}"
@@ -441,7 +442,7 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
                 name=label,
                 pressure=_named_pressure(load),
                 peak=_stress(peak, load, limit),
-                limit=fixed_beside("MPa", limit, peak, 2),
+                limit=fixed_at_limit("MPa", limit, peak, 2),
                 why=sentence("may_yield", which, material=called),
                 which=sentence("may_yield", f"which_{which}", material=called),
             )
@@ -578,7 +579,7 @@ def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]
 
 def _stress(pressure: float, load: LoadResult, limit: float) -> str:
     """A contact pressure or stress of a load, with enough digits to tell it from a limit [Pa]."""
-    return fixed_beside("MPa", pressure, limit, load.pressure_digits)
+    return fixed_at_limit("MPa", pressure, limit, load.pressure_digits)
 
 
 def _two_digits(value: float, unit: str) -> str:
@@ -589,7 +590,7 @@ def _two_digits(value: float, unit: str) -> str:
 
 def _times(share: float, load: LoadResult, most: int = 2) -> str:
     """A pressure or stress over its limit."""
-    return format_beside(share, 1.0, min(load.pressure_digits, most))
+    return format_at_limit(share, 1.0, min(load.pressure_digits, most))
 
 
 def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
@@ -751,14 +752,16 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
     peak, (low, high) = load.peak_pressure, table.range
     at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
     unit = fixed_unit("MPa")
-    simulated = f"{rounded(unit.of(low), DIGITS):g} to {rounded(unit.of(high), DIGITS):g} {unit.name}"
+    simulated = (
+        f"{round_digits(unit.of(low), DIGITS):g} to {round_digits(unit.of(high), DIGITS):g} {unit.name}"
+    )
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
         yield caution("direct_range", load, loads, side=side, simulated=simulated, at=at)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
     if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
-        n, of, pressed = tight[-1].blocked, tight[-1].samples, written(tight[-1].pressure, ".4g MPa")
+        n, of, pressed = tight[-1].blocked, tight[-1].samples, format_value(tight[-1].pressure, ".4g MPa")
         yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressed, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     down, up = (math.exp(one) for one in table.log_error(row))

@@ -14,7 +14,7 @@ from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import rounded, share_text, written
+from fem_seal.units import format_value, round_digits, share_text
 from fem_seal.validity.words import caution, fading, sentence
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
         return
     ratio = float(law.viscosity_ratio(pressure))
     if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHTLY):
-        known = written(law.highest_pressure, ".4g bar")
+        known = format_value(law.highest_pressure, ".4g bar")
         yield caution("thickening_extrapolated", load, loads, known=known, flow=flow, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     yield caution(
@@ -142,7 +142,7 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
         leak_factor=fading(Bounds(least, most), pressure / _THICKENS),
         found=False,
         told=pressure > _THICKENS,
-        pressure=written(pressure, ".4g bar"),
+        pressure=format_value(pressure, ".4g bar"),
         share=share,
         flow=flow,
         little=1e9 * little.coefficient,
@@ -157,13 +157,13 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
     if gas.real is not None and highest > gas.real.highest_pressure:
-        at, known = (written(one, ".4g bar") for one in (highest, gas.real.highest_pressure))
+        at, known = (format_value(one, ".4g bar") for one in (highest, gas.real.highest_pressure))
         condenses = gas.real.condenses
         yield caution(
             "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=known
         )
     elif gas.real is None and highest > (liquid := condensation_pressure(gas)):
-        at, known = (written(one, ".4g bar") for one in (highest, liquid))
+        at, known = (format_value(one, ".4g bar") for one in (highest, liquid))
         yield caution("condensed", outside=True, gas=gas, at=at, known=known)
         yield from _not_ideal(flow, gas, liquid, told=False)
     elif gas.real is None and highest > 0.5 * gas.dilute_pressure:
@@ -187,8 +187,8 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float, *, told: bool) -> Iter
         found=False,
         told=told,
         gas=gas,
-        at=written(highest, ".4g bar"),
-        dilute=written(gas.dilute_pressure, ".4g bar"),
+        at=format_value(highest, ".4g bar"),
+        dilute=format_value(gas.dilute_pressure, ".4g bar"),
         leaks=leaks,
         there=there,
         remedy="" if other is None else sentence("not_ideal_gas", "remedy", other=other),
@@ -325,7 +325,7 @@ def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
 
 def _two(value: float) -> str:
     """A number with two digits, written out."""
-    return f"{rounded(value, 2):g}"
+    return f"{round_digits(value, 2):g}"
 
 
 def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] | None:

@@ -14,7 +14,7 @@ from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import fixed_beside, fixed_quantity, format_beside, share_text
+from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit, share_text
 from fem_seal.validity.fluid import opening_factor
 from fem_seal.validity.words import caution, fading
 
@@ -123,7 +123,7 @@ def _crest(
     stress = ratio * load.largest_stress[0]
     if load.largest_stress[0] <= min(limits) < stress:
         limit = min(limits)
-        times = format_beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
+        times = format_at_limit(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield caution(
             "yield_stress_in_part",
             load,
@@ -131,6 +131,6 @@ def _crest(
             outside=stress > LARGEST_EXCESS * min(limits),
             times=times,
             ratio=ratio,
-            stress=fixed_beside("MPa", stress, limit, min(load.pressure_digits, 3)),
+            stress=fixed_at_limit("MPa", stress, limit, min(load.pressure_digits, 3)),
             limit=fixed_quantity("MPa", limit),
         )

@@ -10,7 +10,7 @@ from typing import Any
 from fem_seal.materials import ROOM_TEMPERATURE, Material, in_degrees
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import written
+from fem_seal.units import format_value
 from fem_seal.validity.words import caution
 
 # Distance of a temperature from the known range of a number above which it is reported, and above which the results
@@ -128,7 +128,7 @@ def _caution_beyond_table(named: Mapping[str, Any], material: Material, key: str
         number=_WORDS[key][0],
         material=material,
         known=table,
-        value=written(value, f".4g {unit}") if pressure else _with_unit(key, value),
+        value=format_value(value, f".4g {unit}") if pressure else _with_unit(key, value),
         end=in_degrees(end),
         at=in_degrees(at),
         example=_table(key, end, at, _with_unit(key, value)),

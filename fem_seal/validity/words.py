@@ -13,7 +13,7 @@ from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import Loads
-from fem_seal.units import briefly, filled
+from fem_seal.units import fill_sentence, short_quantity
 
 
 def caution(
@@ -85,7 +85,7 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
         Values for the braces of the texts.
     """
     words: str = own_tables("findings.toml")[name][part]
-    return filled(words, values)
+    return fill_sentence(words, values)
 
 
 def why_missing(problem: LoadProblem) -> str:
@@ -139,9 +139,9 @@ def _finding_of_loads(
     several = len({applied_force for _, applied_force in loads.points}) > 1
     load = sentence("not_calculated", "load_of_forces" if several else "load", pressure=pressure, force=force)
     kind, own = ("force", force) if how == "with" else ("fluid pressure", pressure)
-    names = [briefly(kind, value) for value in sorted(set(values))]
+    names = [short_quantity(kind, value) for value in sorted(set(values))]
     with_force = sentence("not_calculated", "of_force", force=force) if several and how == "at" else ""
-    others = ", ".join(briefly(kind, value) for value in sorted(set(values) - {own}))
+    others = ", ".join(short_quantity(kind, value) for value in sorted(set(values) - {own}))
     return caution(
         "not_calculated",
         # the message of an open seal has its pressure and force already

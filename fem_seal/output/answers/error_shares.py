@@ -9,7 +9,7 @@ from operator import itemgetter
 from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
 from fem_seal.answers.solution import SealSolution
-from fem_seal.output.prose import filled, phrase, prose
+from fem_seal.output.prose import fill_sentence, phrase, prose
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
@@ -135,7 +135,7 @@ def _words(result: SealSolution, one: Measurement) -> dict[str, str]:
         "load": load,
         "what": ", ".join(accurate) + (f" at {load}" if load else ""),
         "measured": " and ".join([first.replace(" to ", " measured to "), *others]),
-        "instrument": filled(table["instrument"], length),
+        "instrument": fill_sentence(table["instrument"], length),
         "accuracy": ", ".join(accurate.values()),
         "source": table["source"],
         "after": "cannot be told" if one.left is None else format_digits(one.left, 2),

@@ -14,7 +14,7 @@ from fem_seal.case.notation import partner
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import format_digits, range_text, trimmed, unit_for
+from fem_seal.units import format_digits, range_text, trim_zeros, unit_for
 
 # So many are told, and none that changes the leak by less.
 _TOLD, _SMALLEST = 3, 0.03
@@ -128,7 +128,9 @@ def _dimension(case: Case, one: Sensitivity) -> str:
     ):
         more, key = 2.0 * more, word
     unit = unit_for("angle" if key.endswith("angle") else "length", abs(more))
-    by = f"{trimmed(unit.of(abs(more)))} {unit.name} {'larger' if more > 0 else 'smaller'}".replace(" °", "°")
+    by = f"{trim_zeros(unit.of(abs(more)))} {unit.name} {'larger' if more > 0 else 'smaller'}".replace(
+        " °", "°"
+    )
     what = key.replace("_", " ")
     return phrase("sensitivities.step", "angles" if both else "dimension", by=by, body=body, what=what)
 

@@ -135,7 +135,7 @@ def set_pressure_picture(result: SealSolution) -> Picture | None:
     shares = [one.fluid_pressure / found.pressure for one in known]
     unit = unit_for("flow", max(one.leak_rate for one in known))
     volume = volume_of(result.case)
-    unit = unit if volume is LIQUID else volume.named(unit)
+    unit = unit if volume is LIQUID else volume.name_unit(unit)
     figure, (axes,) = panels(1)
     low, high = ([unit.of(one.ends[end]) for one in known] for end in (0, 1))
     axes.fill_between(shares, low, high, color=BLUE, alpha=0.15, linewidth=0)

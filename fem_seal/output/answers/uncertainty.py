@@ -43,7 +43,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
         return ReadableTable((), ())
     ends = [one or (math.nan, math.nan) for one in result.leak_ranges]
     volume = volume_of(result.case)
-    unit = volume.named(shared_flow_unit([one for several in ends for one in several]))
+    unit = volume.name_unit(shared_flow_unit([one for several in ends for one in several]))
     span, tested = percent(interval.confidence), interval.error_scores is not None
     names, of_inputs = interval.inputs, interval.shares
     if tested:

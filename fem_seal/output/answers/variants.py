@@ -126,7 +126,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
     ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
     rates = [rate for rate in ends if rate is not None]
     volume = volume_of(result.case)
-    unit = volume.named(units.shared_flow_unit(rates))
+    unit = volume.name_unit(units.shared_flow_unit(rates))
     load = result.strongest
     used = result.case.interface.plastic
     return worded_table(

@@ -55,7 +55,7 @@ def factor_text(factor: float, digits: int = 2) -> str:
     """
     if factor > _FAR:
         return f"more than {_FAR_IN_WORDS}"
-    return units.format_digits(factor, units.digits_beside(factor, 1.0, digits))
+    return units.format_digits(factor, units.digits_at_limit(factor, 1.0, digits))
 
 
 def worst_verdict(result: SealSolution) -> Verdict | None:
@@ -234,9 +234,12 @@ def _state(case: Case, limit: Limit) -> str:
 def _as_written(leak_rate: float) -> str:
     """A limit as given, if in another state or in bubbles: ", 1 Nml/min"; empty for all others."""
     if isinstance(leak_rate, NormalVolume):
-        return f", {units.trimmed(units.rounded(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
+        return (
+            f", {units.trim_zeros(units.round_digits(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
+        )
     if isinstance(leak_rate, Bubbles):
-        return f", {units.trimmed(units.rounded(60.0 * leak_rate.count, 4))} bubbles/min of {_bubble(leak_rate.volume)}"
+        count = units.trim_zeros(units.round_digits(60.0 * leak_rate.count, 4))
+        return f", {count} bubbles/min of {_bubble(leak_rate.volume)}"
     return ""
 
 
@@ -351,12 +354,12 @@ def _bubbles(limit: Limit) -> dict[str, str]:
     volume = limit.bubble_volume
     if not volume or limit.visible or math.isnan(limit.leak_rate):
         return {"volume": _bubble(volume or 0.0), "most": ""}
-    count = units.trimmed(units.rounded(60.0 * limit.leak_rate / volume, 3))
+    count = units.trim_zeros(units.round_digits(60.0 * limit.leak_rate / volume, 3))
     return {"volume": _bubble(volume), "most": phrase("verdict.check", "bubbles", count=count)}
 
 
 def _bubble(volume: float) -> str:
-    return f"{units.trimmed(units.rounded(1e6 * volume, 2))} ml"
+    return f"{units.trim_zeros(units.round_digits(1e6 * volume, 2))} ml"
 
 
 def _amount(leak_rate: float, digits: int, limit: float) -> str:
@@ -364,8 +367,8 @@ def _amount(leak_rate: float, digits: int, limit: float) -> str:
     if not 0 < leak_rate < math.inf:
         return units.leak_range_text(leak_rate)
     unit = units.flow_unit((leak_rate, limit)) or units.unit_for("flow", leak_rate)
-    value, allowed = unit.of(leak_rate), units.rounded(unit.of(limit), 2)
-    return f"{units.format_digits(value, units.digits_beside(value, allowed, digits))} {unit.name}"
+    value, allowed = unit.of(leak_rate), units.round_digits(unit.of(limit), 2)
+    return f"{units.format_digits(value, units.digits_at_limit(value, allowed, digits))} {unit.name}"
 
 
 def _range(low: float, high: float, digits: int, limit: float) -> str:
@@ -397,7 +400,7 @@ def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
     digits = min(2, *(load.pressure_digits for load in result.loads))
     known = {"yield": shares.yield_stress, "hardness": shares.hardness}
     used = {
-        name: f"{units.format_digits(100 * share, units.digits_beside(100 * share, 100, digits))} %"
+        name: f"{units.format_digits(100 * share, units.digits_at_limit(100 * share, 100, digits))} %"
         for name, share in known.items()
         if share is not None
     }
@@ -559,7 +562,7 @@ def force_to_pass(force: float) -> str:
     if force == 0.0:
         return units.format_quantity("force", 0.0)
     step = 10.0 ** (math.floor(math.log10(abs(force))) - 2)
-    return units.format_quantity("force", units.rounded(step * math.ceil(force / step - 1e-9), 3))
+    return units.format_quantity("force", units.round_digits(step * math.ceil(force / step - 1e-9), 3))
 
 
 def requirement_lines(case: Case) -> list[str]:

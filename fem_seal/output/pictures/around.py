@@ -202,7 +202,7 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
         return False
     over, colour = load_axis(result.loads), style.load_colours(len(shown))
     rates = np.concatenate([rate for _, _, rate in shown])
-    unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
+    unit = volume_of(result.case).name_unit(unit_for("flow", float(rates.max())))
     for n, (load, angle, rate) in enumerate(shown):
         name = over.names[result.loads.index(load)]
         others, dashed = _in_others(load), {"linestyle": "--", "linewidth": 1.0}

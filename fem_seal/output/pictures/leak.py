@@ -117,7 +117,7 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     if over.returns:
         number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     place = "upper right" if len(loads) == 1 else "best"
-    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]", legend=place)
+    label(axes, "Leak rate", over.label, f"leak rate  [{volume.name_unit(unit).name}]", legend=place)
     return True
 
 
@@ -188,7 +188,7 @@ def _single_leak(result: SealSolution, one: CaseLoad) -> Picture:
     for n, name in enumerate(names):
         axes.text(0.004, n - 0.31, name, transform=axes.get_yaxis_transform(), va="bottom")
     axes.set_ylim(len(series) - 0.6, -0.8)
-    label(axes, f"Leak rate at {load}", f"leak rate  [{volume.named(unit).name}]", "")
+    label(axes, f"Leak rate at {load}", f"leak rate  [{volume.name_unit(unit).name}]", "")
     return Picture(
         "leak",
         svg(figure),
@@ -255,7 +255,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     over = load_axis(loads)
     earlier = earlier_load(result.case.load) or "the loads before it"
     first, after = _ends([load.scenarios.get(FIRST_LOADING, load) for load in loads]), _ends(loads)
-    unit = volume_of(result.case).named(shared_flow_unit((*first.flat, *after.flat)))
+    unit = volume_of(result.case).name_unit(shared_flow_unit((*first.flat, *after.flat)))
     figure, (axes,) = panels(1, height=3.6, width=6.8)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
         _band(axes, over.shown, ends / unit.size, colour, name)

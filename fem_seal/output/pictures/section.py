@@ -19,7 +19,7 @@ from fem_seal.errors import InputError
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import INCH, WIDTH, Picture, captioned, inches, outside_text, style
-from fem_seal.units import fixed_unit, number, quantity, rounded, trimmed
+from fem_seal.units import fixed_unit, number, quantity, round_digits, trim_zeros
 from meshes.geometry.curve import Curve, Point, Segment
 
 if TYPE_CHECKING:
@@ -220,7 +220,7 @@ def _diameter(axes: Axes, one: _Diameter, z: float, scale: float) -> None:
 
 def _in_unit(size: float, digits: int = 4) -> str:
     """A size [mm] in the unit of the drawing."""
-    return trimmed(rounded(fixed_unit("mm").of(1e-3 * size), digits))
+    return trim_zeros(round_digits(fixed_unit("mm").of(1e-3 * size), digits))
 
 
 def _on_both_sides(axes: Axes, r: ArrayLike, z: ArrayLike, **how: Any) -> None:
@@ -246,7 +246,7 @@ def _included_angle(axes: Axes, contact: ContactGeometry, angle: float, scale: f
     radius = min(0.62 * r0 / math.cos(angle), 0.75 * scale)
     turn = np.linspace(angle, math.pi - angle, 60)
     axes.plot(radius * np.cos(turn), apex + radius * np.sin(turn), color=BLUE, lw=1.0, zorder=6)
-    text = f"{trimmed(180 - 2 * math.degrees(angle))}°"
+    text = f"{trim_zeros(180 - 2 * math.degrees(angle))}°"
     _note(axes, (0.0, apex + radius), text, BLUE, 0.6, 0.9, ha="center", va="center")
 
 
@@ -290,7 +290,7 @@ def _draw_detail(axes: Axes, case: Case) -> None:
         turn = np.linspace(0, theta, 40)
         axes.plot(r0 - 0.55 * half * np.sin(turn), 0.55 * half * np.cos(turn), color=INK, lw=0.9, zorder=6)
     at: dict[str, Any] = {"transform": axes.transAxes}
-    angle = f"angle θ = {trimmed(rounded(math.degrees(theta), 4))}°\nbetween axis and normal"
+    angle = f"angle θ = {trim_zeros(round_digits(math.degrees(theta), 4))}°\nbetween axis and normal"
     _note(axes, (0.02, 0.97), angle, INK, 1.5, 0.85, va="top", **at)
     radius = contact.relative_radius
     conform = "faces conform: contact over a finite length"
@@ -337,7 +337,7 @@ def _list(axes: Axes, case: Case) -> None:
         for key, (value, chosen) in listed_dimensions(body.case, body.name).items():
             angle = key.endswith("angle")
             size = fixed_unit("deg" if angle else "mm").of(value)
-            text = trimmed(rounded(size, 4) if chosen else size) + ("°" if angle else "")
+            text = trim_zeros(round_digits(size, 4) if chosen else size) + ("°" if angle else "")
             mark = "⌀" if key.endswith("diameter") else "R " if key.endswith("radius") else ""
             lines.append((key.replace("_", " "), mark + text, GREY if chosen else INK, "normal"))
     step = min(0.075, 1.0 / max(len(lines), 1))

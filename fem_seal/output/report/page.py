@@ -45,7 +45,7 @@ from fem_seal.seal.findings import NOT_CALCULATED, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import MissingLoad, in_order
 from fem_seal.seal.problem import exponential_law
-from fem_seal.units import format_quantity, percent, quantity_worth, strain_text, unbroken
+from fem_seal.units import format_quantity, keep_units_together, percent, quantity_worth, strain_text
 from fem_seal.validity.words import why_missing
 from fem_seal.version import __version__
 
@@ -91,7 +91,7 @@ def report(result: SealSolution) -> str:
 def _keep_units_whole(said: Any) -> Any:
     """Everything that is said with whole units: texts, and whatever they are in."""
     if type(said) is str:
-        return unbroken(said)
+        return keep_units_together(said)
     if isinstance(said, dict):
         return {key: _keep_units_whole(text) for key, text in said.items()}
     if isinstance(said, (list, tuple)):

@@ -29,16 +29,16 @@ from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
-    digits_beside,
+    digits_at_limit,
     fixed_unit,
     format_digits,
+    format_value,
     leak_range_text,
     percent,
     quantity_worth,
     range_text,
-    rounded,
+    round_digits,
     unit_for,
-    written,
 )
 from fem_seal.validity.checks import FLUID_OPENS
 from leak import CoupledLeakResult, LeakResult, drops_per_minute
@@ -272,7 +272,7 @@ def per_day(leak_rate: float | tuple[float, float], digits: int = 2, volume: Lea
     ends = leak_rate if isinstance(leak_rate, tuple) else (leak_rate,)
     volumes = [volume.measurable(rate) * 86400 for rate in ends]
     if volumes[-1] < _LEAST_PER_DAY:
-        return "" if volumes[-1] == 0 else f"less than {written(_LEAST_PER_DAY, 'volume 1')} per day"
+        return "" if volumes[-1] == 0 else f"less than {format_value(_LEAST_PER_DAY, 'volume 1')} per day"
     unit = unit_for("volume", volumes[-1])
     texts = [format_digits(unit.of(one), min(digits, 2)) for one in volumes]
     return f"{range_text(texts[0], texts[-1])} {'litres' if unit.name == 'l' else unit.name} per day"
@@ -445,7 +445,7 @@ def accuracy_in_words(load: CaseLoad) -> list[str]:
     """
     least, most = load.leak_validity.leak_factor
     ways = [
-        (f"{rounded(factor, 2):g} {'more' if more else 'less'}", load.leak_validity.widens(more=more))
+        (f"{round_digits(factor, 2):g} {'more' if more else 'less'}", load.leak_validity.widens(more=more))
         for more, factor in ((True, most), (False, 1.0 / least))
         if factor > _NOTICED_IN_ENDS
     ]
@@ -580,9 +580,9 @@ def _yielding_factor(load: CaseLoad) -> tuple[str, str]:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
     if low == 0:
-        return format_digits(elastic / high, digits_beside(elastic / high, 1.0, digits)), "never_sealed"
+        return format_digits(elastic / high, digits_at_limit(elastic / high, 1.0, digits)), "never_sealed"
     factor = range_text(
-        *(format_digits(one, digits_beside(one, 1.0, digits)) for one in (elastic / high, elastic / low))
+        *(format_digits(one, digits_at_limit(one, 1.0, digits)) for one in (elastic / high, elastic / low))
     )
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 

@@ -4,7 +4,7 @@ import pytest
 
 from fem_seal.case.new_case import read_text_case, template
 from fem_seal.errors import InputError
-from fem_seal.explore.choices import changed, choices_of, pictures_of
+from fem_seal.explore.choices import apply_choice, choices_of, pictures_of
 from fem_seal.explore.factors import factors_of
 
 
@@ -13,7 +13,7 @@ def test_every_shape_can_take_the_place_of_another(name):
     case = read_text_case(template(name))
     for row, several in pictures_of(case).items():
         for one in several:
-            other = changed(case, one.key, "1")
+            other = apply_choice(case, one.key, "1")
             shape = other.table_of(row if row == "closure" else other.key_of("seat")).shape
             assert (one.key, one.chosen) == (f"{row}.{shape}", one.chosen)
             assert other.load.fluid_pressure == case.load.fluid_pressure
@@ -35,15 +35,15 @@ def test_choices_say_what_the_case_has_and_change_it():
         "report.units": "US",
     }
     for key, value in changes.items():
-        case = changed(case, key, value)
+        case = apply_choice(case, key, value)
     assert case.seat.material.name == "316L"
     assert case.written["roughness"]["Rz"] == "0.1 um"
     assert case.requirement.standard_and_class == ("ISO 5208", "A")
     assert case.form.seat.tolerance == pytest.approx(2e-6)
     with pytest.raises(InputError, match="no choice of the page"):
-        changed(case, "load.fluid_pressure", "1 bar")
+        apply_choice(case, "load.fluid_pressure", "1 bar")
     with pytest.raises(InputError, match="no choice of the page"):
-        changed(case, "seat.material", "cheese")
+        apply_choice(case, "seat.material", "cheese")
 
 
 def test_classes_of_the_rated_flow_are_offered_with_the_flow_that_they_need():
@@ -52,10 +52,10 @@ def test_classes_of_the_rated_flow_are_offered_with_the_flow_that_they_need():
     classes = {f"FCI 70-2 {name}" for name in ("II", "III", "IV")}
     assert classes <= {one["value"] for one in offered.options}
     with pytest.raises(InputError, match="share of the flow through the open valve; give that flow"):
-        changed(case, "requirement", "FCI 70-2 III")
-    case = changed(changed(case, "requirement", "none"), "requirement.rated_capacity", "40 m^3/h")
+        apply_choice(case, "requirement", "FCI 70-2 III")
+    case = apply_choice(apply_choice(case, "requirement", "none"), "requirement.rated_capacity", "40 m^3/h")
     assert case.requirement.standard_and_class == ("FCI 70-2", "IV")
-    case = changed(case, "requirement", "FCI 70-2 III")
+    case = apply_choice(case, "requirement", "FCI 70-2 III")
     assert case.requirement.standard_and_class == ("FCI 70-2", "III")
     assert case.requirement.rated_capacity == pytest.approx(40 / 3600)
     (flow,) = [one for one in choices_of(case)["demand"] if one.key == "requirement.rated_capacity"]
@@ -64,9 +64,9 @@ def test_classes_of_the_rated_flow_are_offered_with_the_flow_that_they_need():
 
 def test_sliders_are_in_the_units_of_the_case_and_its_values_stay():
     case = read_text_case(template("ball-valve"))
-    american = changed(case, "report.units", "US")
+    american = apply_choice(case, "report.units", "US")
     factors = factors_of(american)
-    texts = factors.given
+    texts = factors.base_design
     assert texts["fluid_pressure"] == "362.594 psi"
     assert texts["closure_diameter"] == "1.5748 in"
     assert factors.changes(american, texts) == {}

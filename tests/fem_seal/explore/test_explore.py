@@ -19,10 +19,10 @@ from shape_tables import tables
 import fem_seal
 from fem_seal.case.case import case_text, free_name, input_tables, load_case, write_case
 from fem_seal.errors import InputError, LimitLoadError, SealError
-from fem_seal.explore.choices import changed
+from fem_seal.explore.choices import apply_choice
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.figures import leak_figure, section_figure
-from fem_seal.explore.live import SOURCE, live_loads, live_screen, solved
+from fem_seal.explore.live import SOURCE, live_loads, live_screen, solve_live_loads
 from fem_seal.explore.screen import SHOWN, Screen, ShownDesign, lost_words, numbers_of, validity_words
 from fem_seal.explore.session import Session
 from fem_seal.explore.worker import (
@@ -141,7 +141,7 @@ def test_between_edges_the_elements_are_far_fewer_and_the_numbers_those_of_a_run
     case = load_case(EXAMPLES / "poppet_on_land.toml")
     run, screen = fem_seal.run(case), Session(case).answer({})
     problem = SealProblem.of(case)
-    evaluation, _ = solved(case, problem, live_loads(problem))
+    evaluation, _ = solve_live_loads(case, problem, live_loads(problem))
     assert len(evaluation.model.line.x) < 0.6 * len(run.model.line.x)
     for number, load in enumerate(screen.loads):
         expected = columns(run, number)
@@ -168,7 +168,7 @@ def test_the_way_to_a_design_does_not_matter(session, live, monkeypatch):
     monkeypatch.setattr("fem_seal.explore.live.SOURCE", replace(SOURCE, light=Kept(9)))
     for design in ({"seat_angle": "40 deg"}, {**DESIGN, "finish_spectrum": "2 um"}):
         session.answer(design)
-    Session(changed(session.given, "fluid.name", "water")).answer(DESIGN)
+    Session(apply_choice(session.base_design, "fluid.name", "water")).answer(DESIGN)
     again = session.answer(DESIGN)
     for one, other in zip(again.loads, live.loads, strict=True):
         assert one.values == pytest.approx(other.values, rel=1e-9, nan_ok=True)
@@ -521,7 +521,7 @@ CALLBACK = {
 def test_a_question_of_the_page_is_answered(session):
     answer = asked(client_of(session), "/_dash-update-component", method="POST", json=CALLBACK)
     assert answer.status_code == 200
-    assert answer.json["response"]["pins"]["data"] == [session.factors.given]
+    assert answer.json["response"]["pins"]["data"] == [session.factors.base_design]
 
 
 def broken_questions():
@@ -598,7 +598,7 @@ def test_a_port_in_use_is_an_error_with_advice(session):
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         with pytest.raises(InputError, match="choose another one"):
-            serve(session.given, EXAMPLES, taken.getsockname()[1], print, print)
+            serve(session.base_design, EXAMPLES, taken.getsockname()[1], print, print)
 
 
 def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
@@ -610,7 +610,7 @@ def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
     with pytest.raises(
         InputError, match=r"needs dash, which is not installed; install it with: .*\[explore\]"
     ):
-        serve(session.given, EXAMPLES, 0, print, print)
+        serve(session.base_design, EXAMPLES, 0, print, print)
 
 
 def callback(client, output, values):
@@ -657,7 +657,7 @@ def test_a_design_that_cannot_be_names_its_fields_and_whose_numbers_are_left():
     assert refused["results"]["className"] == "results stale"
     assert "graph-section" not in refused
     said = refused["problem"]["children"]
-    given = session.factors.given
+    given = session.factors.base_design
     assert said.endswith(
         "The faded numbers and pictures still belong to bore radius, seat = "
         f"{given['seat_bore_radius']}; face radius, seat = {given['seat_face_radius']}."
@@ -709,11 +709,11 @@ def parts_of(element):
 
 
 def test_wrong_texts_are_all_named(session):
-    given = session.factors.given
+    given = session.factors.base_design
     with pytest.raises(InputError) as raised:
         session.case({"fluid_pressure": "20 mm", "hardness": "hard", "seat_angle": "50 deg"})
     assert [one.key for one in raised.value.problems] == ["highest fluid pressure", "hardness, seat"]
-    assert set(session.factors.wrong({**given, "fluid_pressure": "20 mm", "hardness": "hard"})) == {
+    assert set(session.factors.find_errors({**given, "fluid_pressure": "20 mm", "hardness": "hard"})) == {
         "fluid_pressure",
         "hardness",
     }
@@ -752,7 +752,7 @@ def calculator(told):
 
 
 def done(calculator, session, what, **more):
-    (screen,) = calculator.screens(Calculation(session.given, {"what": what}), **more)
+    (screen,) = calculator.screens(Calculation(session.base_design, {"what": what}), **more)
     return screen.design["what"]
 
 
@@ -811,9 +811,9 @@ def test_what_was_given_up_is_refused_and_not_begun_again(session):
     answers.settle(design)
     answers.report(design, Path("report.out"))
     answers._queue.shutdown()
-    why = answers.given_up(design)
+    why = answers.failure_reason(design)
     assert "was killed (SIGKILL)" in why and "not tried again" in why
-    assert answers.written(Path("report.out"))[-30:] == why[-30:]
+    assert answers.report_problem(Path("report.out"))[-30:] == why[-30:]
     news = answers.news
     answers.settle(design)
     assert not answers._settling and answers.news == news
@@ -828,7 +828,7 @@ def test_neighbours_of_a_design_at_rest_are_calculated_ahead(session):
     assert len(asked) == 41
     # those of surfaces, whose conductivities take longest, the nearest first
     stops = session.factors.sliders[-1].stops
-    assert all(one["fluid_pressure"] == session.factors.given["fluid_pressure"] for one in asked)
+    assert all(one["fluid_pressure"] == session.factors.base_design["fluid_pressure"] for one in asked)
     assert asked[1]["finish_spectrum"] == "1.04 um" and len(stops) > 40
     answers.rest(asked[1], "page", 1)
     answers.answer({"fluid_pressure": "21 bar"}, "page", 2)
@@ -866,7 +866,7 @@ def test_a_body_that_a_slider_leaves_as_it_is_is_not_condensed_again(monkeypatch
 def test_a_load_that_comes_again_is_solved_once():
     case = load_case(EXAMPLES / "relief_valve.toml")
     problem = SealProblem.of(case)
-    evaluation, own = solved(case, problem, live_loads(problem))
+    evaluation, own = solve_live_loads(case, problem, live_loads(problem))
     contacts, loads = evaluation.solved.contacts[:own], evaluation.loads[:own]
     for first, again in ((0, 4), (1, 3)):
         assert contacts[first] is contacts[again] and loads[first] is loads[again]

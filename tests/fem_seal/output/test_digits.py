@@ -29,7 +29,7 @@ from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import LIQUID, digits_beside, digits_within, format_digits, quantity_worth, rounded
+from fem_seal.units import LIQUID, digits_at_limit, digits_within, format_digits, quantity_worth, round_digits
 from fem_seal.validity.checks import contact_cautions
 
 ERRORS = st.floats(1e-6, 2.0)
@@ -133,13 +133,13 @@ def test_a_difference_from_a_closed_form_has_no_more_decimals_than_the_mesh_leav
 def test_beside_a_limit_a_number_stands_on_its_side_of_it(value, apart, digits):
     limit = float(f"{value * (1 + apart):.4g}")
     assume(abs(limit / value - 1) > 1e-5)
-    shown = digits_beside(value, limit, digits)
+    shown = digits_at_limit(value, limit, digits)
     assert shown >= digits
-    told = rounded(value, shown)
+    told = round_digits(value, shown)
     assert (told > limit) == (value > limit) and (told < limit) == (value < limit)
     # and no digit more than that takes
     if shown > digits:
-        less = rounded(value, shown - 1)
+        less = round_digits(value, shown - 1)
         assert (less > limit) != (value > limit) or (less < limit) != (value < limit)
 
 
@@ -147,7 +147,7 @@ def test_beside_a_limit_a_number_stands_on_its_side_of_it(value, apart, digits):
 def test_what_nobody_can_tell_from_its_limit_has_no_more_digits_than_that(limit, apart, digits):
     limit = float(f"{limit:.2g}")
     assert format_digits(
-        limit * (1 + apart), digits_beside(limit * (1 + apart), limit, digits)
+        limit * (1 + apart), digits_at_limit(limit * (1 + apart), limit, digits)
     ) == format_digits(limit, digits)
 
 
@@ -156,7 +156,7 @@ def test_of_an_error_the_last_digit_is_wrong_by_at_most_five(value, error):
     written = format_digits(value, digits_within(error))
     if digits_within(error) < 4:
         assert significant(written) <= digits_within(error)
-        size = 10.0 ** (math.floor(math.log10(rounded(value, digits_within(error))) + 1e-12))
+        size = 10.0 ** (math.floor(math.log10(round_digits(value, digits_within(error))) + 1e-12))
         place = size / 10.0 ** (digits_within(error) - 1)
         assert error * size <= 5.0001 * place or digits_within(error) == 1
 

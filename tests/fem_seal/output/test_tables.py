@@ -27,7 +27,7 @@ from fem_seal.output.tables import (
     write_leak_csv,
     write_profile_csv,
 )
-from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trimmed
+from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trim_zeros
 
 LEAK_HEADER = (
     "fluid_pressure_Pa,contact_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
@@ -270,8 +270,8 @@ def test_units_suit_the_value(kind, value, text):
 
 def test_numbers_for_readers():
     assert format_quantity("fluid pressure", 2e6) == "20 bar"
-    assert trimmed(0.30) == "0.3" and trimmed(100.0) == "100" and trimmed(1.0016) == "1.0016"
-    assert trimmed(1e-9) == "1·10⁻⁹"
+    assert trim_zeros(0.30) == "0.3" and trim_zeros(100.0) == "100" and trim_zeros(1.0016) == "1.0016"
+    assert trim_zeros(1e-9) == "1·10⁻⁹"
     assert number(1.234e-9) == "1.23·10⁻⁹"
     assert number(-0.5) == "−0.500"
     assert percent(0.0388) == "3.9 %"

@@ -203,7 +203,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     from dask.distributed import Client, LocalCluster
 
-    from fem_seal.studies.cluster import on_cluster
+    from fem_seal.studies.cluster import cluster_pool
     from fem_seal.studies.work import DesignSpec, chunks
 
     free = []
@@ -223,7 +223,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
     ):
         found = [
             row
-            for rows in on_cluster(client, 1, patience=60.0).results(spec, chunks(spec, slow_enough.points))
+            for rows in cluster_pool(client, 1, patience=60.0).results(spec, chunks(spec, slow_enough.points))
             for row in rows
         ]
         free.append(True)

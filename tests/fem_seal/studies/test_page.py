@@ -13,7 +13,7 @@ from fem_seal.output.tables import LEAK_COLUMNS
 from fem_seal.studies import plots
 from fem_seal.studies.designs import unit_points
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
-from fem_seal.studies.display import Display, short
+from fem_seal.studies.display import Display, short_number
 from fem_seal.studies.expressions import Constraint
 from fem_seal.studies.page import page, sections
 from fem_seal.studies.results import dataset
@@ -48,7 +48,7 @@ def made(parameters, columns, failed=(), **about):
     responses = [name for name in columns if name not in names and name not in about.get("derived", {})]
     rows = table.to_dict("records")
     for name, text in about.get("constraints", {}).items():
-        table[name] = [Constraint(text).met(row) for row in rows]
+        table[name] = [Constraint(text).is_met(row) for row in rows]
     table.insert(0, "status", ["failed" if n in failed else "done" for n in table.index])
     table.insert(1, "reason", None)
     design = {"kind": "grid", "file": None, "num": None, "seed": 1, "invalid": "refuse", "optimise": False}
@@ -281,7 +281,7 @@ def test_margins_to_opening_are_shown_beside_the_fluid_pressure_in_its_unit():
 
 
 def test_numbers_are_short_and_never_in_computer_notation():
-    texts = [short(one) for one in (30.0, 0.50976, 1500.0, 1.23e-10, None)]
+    texts = [short_number(one) for one in (30.0, 0.50976, 1500.0, 1.23e-10, None)]
     assert texts == ["30", "0.5098", "1500", "1.23·10⁻¹⁰", "–"]
 
 
@@ -311,7 +311,7 @@ def test_inputs_and_constants_have_no_sensitivity(kind):
     designs = sensitive(kind)
     shown = [heading for heading in headings(designs) if heading.startswith("Sensitivity")]
     assert shown == ["Sensitivity of peak pressure", "Sensitivity of leak rate"]
-    assert designs.telling_outputs == [PRESSURE, LEAK_RATE]
+    assert designs.informative_outputs == [PRESSURE, LEAK_RATE]
 
 
 def test_sensitivity_is_legible():
@@ -327,7 +327,7 @@ def test_sensitivity_is_legible():
 
     logarithm = headings(designs)["Sensitivity of leak rate"]
     assert "multiplies or divides leak rate by eˣ" in logarithm.note
-    assert logarithm.rows[0][-1] == f"× {short(math.exp(3), 3)}"
+    assert logarithm.rows[0][-1] == f"× {short_number(math.exp(3), 3)}"
     figure = plots.sensitivity_plot(Display(designs), found[LEAK_RATE])
     assert figure.layout.xaxis.title.text == "effect on ln(leak rate)"
 
@@ -460,7 +460,7 @@ def test_front_course_and_best_leave_out_what_is_outside_the_theory():
     assert [list(one.x) for one in course.data if one.name == "outside the theory"] == [[2, 3]] * 2
     (small, _) = (one for one in course.data if one.name == "best so far")
     assert small.y[-1] == pytest.approx(3)
-    assert "outside the theory: too soft" in display.hover(designs.done.index, [])[2]
+    assert "outside the theory: too soft" in display.hover(designs.successes.index, [])[2]
     shown = headings(designs)
     assert "2 designs are left out because their numbers are outside the theory" in shown["Best designs"].note
     assert shown["Best designs"].columns[-1] == "validity"
@@ -474,7 +474,7 @@ def test_constraints_and_theory_are_told_apart():
         made([FORCE], FOUR, constraints={"strong": "load.applied_force > 15"}, goals={LEAK_RATE: LEAK_RATE}),
         *LEVELS,
     )
-    assert designs.why_not_counted == "violate a constraint or are outside the theory"
+    assert designs.ineligibility == "violate a constraint or are outside the theory"
     good, bad = plots.response_plot(Display(designs)).data
     assert len(good.x) == 1 and bad.name == "violates a constraint or outside the theory"
     assert designs.best(10) == [1]
@@ -496,16 +496,16 @@ def test_no_class_is_claimed_outside_the_theory():
 def test_a_first_order_index_above_the_total_is_called_noise():
     from dataclasses import replace
 
-    from fem_seal.studies.page import _indices
+    from fem_seal.studies.page import _index_section
 
     designs = sensitive("sobol-sensitivity")
     (found, *_) = sensitivities(designs)
     clean = replace(found, first=np.array([0.4, 0.1]), total=np.array([0.8, 0.3]))
     assert not clean.noise.any()
-    section = _indices(Display(designs), clean)
+    section = _index_section(Display(designs), clean)
     assert "noise" not in section.note and not any("noise" in cell for row in section.rows for cell in row)
     noisy = replace(found, first=np.array([0.9, -0.1]), total=np.array([0.8, 0.3]))
-    section = _indices(Display(designs), noisy)
+    section = _index_section(Display(designs), noisy)
     assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
     assert "sampling noise" in section.note
     assert not replace(noisy, method="morris").noise.any()
@@ -522,7 +522,7 @@ def test_designs_that_pass_stand_on_the_first_screen_and_the_limit_in_the_plots(
     display = Display(designs)
     figure = plots.response_plot(display)
     (line,) = figure.layout.shapes
-    assert line.y0 == line.y1 == pytest.approx(float(display.shown(LEAK_RATE, 2e-9)))
+    assert line.y0 == line.y1 == pytest.approx(float(display.convert(LEAK_RATE, 2e-9)))
     # what is no leak rate has no line
     menu = {button.label: button.args[1] for button in figure.layout.updatemenus[0].buttons}
     assert [len(args["shapes"]) for args in menu.values()] == [1, 0]
@@ -598,7 +598,7 @@ def test_a_best_design_at_the_edge_of_a_range_is_told(capsys):
     from fem_seal.cli.study import _show_remarks
 
     designs = likely_designs([0.5] * 6, goals={LEAK_RATE: LEAK_RATE})
-    assert designs.at_edge == ["seat.angle", "load.applied_force"]
+    assert designs.parameters_at_edge == ["seat.angle", "load.applied_force"]
     told = "The best design is at the edge of your range of seat angle and of applied force: try beyond."
     assert headings(designs)["Best designs"].note.endswith(told)
     _show_remarks(designs)
@@ -614,7 +614,7 @@ def test_a_sealed_design_leaves_the_axes_logarithmic_and_stands_below_all_others
     columns = {"load.applied_force": [200.0, 150.0, 100.0, 0.0], LEAK_RATE: rates}
     designs = made([parameter("load.applied_force", "N", columns["load.applied_force"])], columns)
     display = Display(designs)
-    assert display.logarithmic(LEAK_RATE) and display.sealed == 1
+    assert display.logarithmic(LEAK_RATE) and display.sealed_count == 1
     figure = plots.response_plot(display)
     (points,) = figure.data
     assert figure.layout.yaxis.type == "log" and len(points.y) == 4

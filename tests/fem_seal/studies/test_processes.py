@@ -23,7 +23,7 @@ from places import EXAMPLES
 
 from fem_seal import StudyResult, load_study
 from fem_seal.errors import ClusterError
-from fem_seal.studies.cluster import on_cluster
+from fem_seal.studies.cluster import cluster_pool
 from fem_seal.studies.machine import LocalWorkers
 from fem_seal.studies.progress import Lines
 from fem_seal.studies.session import run_study
@@ -226,7 +226,9 @@ def some_workers(where, count):
 
 
 def pool_of(workers, retries=1):
-    return WorkerPool(workers, retries) if isinstance(workers, LocalWorkers) else on_cluster(workers, retries)
+    return (
+        WorkerPool(workers, retries) if isinstance(workers, LocalWorkers) else cluster_pool(workers, retries)
+    )
 
 
 WHERE = pytest.mark.parametrize("where", ["machine", "cluster"])
@@ -367,7 +369,7 @@ def test_nobody_waits_for_ever(tmp_path):
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        rows = on_cluster(client, 1, patience=3.0).results(DesignSpec.of(study), [study.points])
+        rows = cluster_pool(client, 1, patience=3.0).results(DesignSpec.of(study), [study.points])
         with pytest.raises(ClusterError, match=r"no worker for 3 s.*--resume"):
             next(rows)
 
@@ -393,7 +395,7 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
         distributed.Client(cluster) as client,
     ):
         # not even one more attempt: the designs have done nothing wrong
-        rows = on_cluster(client, 0, patience=PATIENCE).results(
+        rows = cluster_pool(client, 0, patience=PATIENCE).results(
             DesignSpec.of(study), [one[None] for one in study.points]
         )
         reader = Thread(target=lambda: found.extend(row for some in rows for row in some))
@@ -432,15 +434,15 @@ def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
         status="running",
     )
     monkeypatch.setattr(worker_pool, "HEARTBEAT", 0.01)
-    course = worker_pool._Course(on_cluster(client, 1), None, [np.zeros((1, 1))])
+    course = worker_pool._Schedule(cluster_pool(client, 1), None, [np.zeros((1, 1))])
     assert course.hand_out()
     for _ in range(5):
         course.events.put(Future())
-        assert course.settled() is None
+        assert course.wait_for_chunk() is None
     (sent,) = course._tasks
     # two silences do, and then it is sent once more
     for known in (True, False):
-        assert course.settled() is None
+        assert course.wait_for_chunk() is None
         assert course.hand_out()
         assert (sent in course._tasks) == known
 

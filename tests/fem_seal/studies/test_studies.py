@@ -674,13 +674,13 @@ def test_a_trace_in_the_changes_is_looked_for_beside_the_study(tmp_path):
 def test_nothing_is_changed_or_left_behind_if_nothing_calculates(tmp_path, monkeypatch):
     no_scheduler = Mock(side_effect=InputError(Problem("--scheduler", "there is no dask scheduler")))
     with monkeypatch.context() as patch:
-        patch.setattr("fem_seal.studies.session.pool", no_scheduler)
+        patch.setattr("fem_seal.studies.session.open_pool", no_scheduler)
         with pytest.raises(InputError, match="no dask scheduler"):
             run_study(small(), folder=tmp_path / "new")
         assert not (tmp_path / "new").exists()
     skipped = {"parameters": {"seat.bore_radius": ["10 mm", "18 mm"]}, "design": {"invalid": "skip"}}
     run_study(small(title="first", **skipped), folder=tmp_path, workers=0)
-    monkeypatch.setattr("fem_seal.studies.session.pool", no_scheduler)
+    monkeypatch.setattr("fem_seal.studies.session.open_pool", no_scheduler)
     with pytest.raises(InputError, match="no dask scheduler"):
         run_study(small(title="second", **skipped), folder=tmp_path, resume=True, retry_failed=True)
     file = store.open_to_read(tmp_path / store.FILE)
