@@ -454,7 +454,7 @@ def round_digits(value: float, digits: int) -> float:
 
     Examples
     --------
-    >>> rounded(774.2, 1)
+    >>> round_digits(774.2, 1)
     800.0
     """
     return float(f"{value:.{digits - 1}e}")
@@ -506,9 +506,9 @@ def digits_at_limit(value: float, limit: float, digits: int) -> int:
 
     Examples
     --------
-    >>> [digits_beside(7213.0, limit, 2) for limit in (6800.0, 7200.0, 7210.0)]
+    >>> [digits_at_limit(7213.0, limit, 2) for limit in (6800.0, 7200.0, 7210.0)]
     [2, 3, 4]
-    >>> digits_beside(99.99999999, 100.0, 2)
+    >>> digits_at_limit(99.99999999, 100.0, 2)
     2
     """
     if not math.isfinite(value):
@@ -521,7 +521,7 @@ def digits_at_limit(value: float, limit: float, digits: int) -> int:
 
 
 def format_at_limit(value: float, limit: float, digits: int) -> str:
-    """A number with `digits_beside` its limit, without zeros at its end.
+    """A number with `digits_at_limit` digits, without zeros at its end.
 
     Parameters
     ----------
@@ -530,14 +530,14 @@ def format_at_limit(value: float, limit: float, digits: int) -> str:
 
     Examples
     --------
-    >>> format_beside(7213.0, 6800.0, 2), format_beside(7213.0, 7200.0, 2), format_beside(1.004, 1.0, 2)
+    >>> format_at_limit(7213.0, 6800.0, 2), format_at_limit(7213.0, 7200.0, 2), format_at_limit(1.004, 1.0, 2)
     ('7200', '7210', '1.004')
     """
     return f"{round_digits(value, digits_at_limit(value, limit, digits)):.{_MOST_DIGITS}g}"
 
 
 def fixed_at_limit(name: str, value: float, limit: float, digits: int) -> str:
-    """An SI value in a `fixed_unit`, with `digits_beside` its limit as it is written, without zeros at its end.
+    """An SI value in a `fixed_unit`, with `digits_at_limit` digits, without zeros at its end.
 
     Parameters
     ----------
@@ -548,7 +548,7 @@ def fixed_at_limit(name: str, value: float, limit: float, digits: int) -> str:
 
     Examples
     --------
-    >>> fixed_beside("MPa", 7213e6, 7200e6, 2)
+    >>> fixed_at_limit("MPa", 7213e6, 7200e6, 2)
     '7210 MPa'
     """
     unit = fixed_unit(name)
@@ -661,7 +661,7 @@ class LeakVolume:
 
         Examples
         --------
-        >>> LeakVolume.of_gas(473.15).named(Unit("ml/min", 1e-6 / 60)).name
+        >>> LeakVolume.of_gas(473.15).name_unit(Unit("ml/min", 1e-6 / 60)).name
         'ml/min at 200 °C and 1.01325 bar'
         """
         return replace(unit, name=f"{unit.name} at {self.state}") if self.state else unit
@@ -827,7 +827,7 @@ def short_quantity(kind: str, value: float) -> str:
 
     Examples
     --------
-    >>> briefly("force", 43294.3), briefly("force", 250.0)
+    >>> short_quantity("force", 43294.3), short_quantity("force", 250.0)
     ('43.29 kN', '250 N')
     """
     return format_quantity(kind, round_digits(value, 4))
@@ -925,14 +925,14 @@ def format_value(value: Any, how: str) -> str:
 
     Examples
     --------
-    >>> written(0.00123, "length 2"), written(0.3, "percent"), written(2e6, "given fluid pressure")
+    >>> format_value(0.00123, "length 2"), format_value(0.3, "percent"), format_value(2e6, "given fluid pressure")
     ('1.2 mm', '30 %', '20 bar')
-    >>> written((0.001, 0.0025), "length 2"), written(0.12345, ".2f")
+    >>> format_value((0.001, 0.0025), "length 2"), format_value(0.12345, ".2f")
     ('1.0 mm to 2.5 mm', '0.12')
-    >>> written(1234.5, ".3g"), written(2.54e-5, ".3g um")
+    >>> format_value(1234.5, ".3g"), format_value(2.54e-5, ".3g um")
     ('1230', '25.4 um')
     >>> with shown_in("US"):
-    ...     written(2e6, ".4g bar")
+    ...     format_value(2e6, ".4g bar")
     '290.1 psi'
     """
     if isinstance(value, tuple):
@@ -969,7 +969,7 @@ def keep_units_together(text: str) -> str:
 
     Examples
     --------
-    >>> unbroken("leak rate [mbar l/s]: 2 mbar l/s"), unbroken("2 mm")
+    >>> keep_units_together("leak rate [mbar l/s]: 2 mbar l/s"), keep_units_together("2 mm")
     ('leak rate [mbar\xa0l/s]: 2\xa0mbar\xa0l/s', '2\xa0mm')
     """
     return _numbers_and_units().sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
@@ -983,7 +983,7 @@ class _Sentence(string.Formatter):
 
 
 def fill_sentence(sentence: str, values: Mapping[str, object]) -> str:
-    """A sentence of words.toml with its values; numbers are `written` in the format behind their colon.
+    """A sentence of words.toml with its values; `format_value` writes numbers in the format behind their colon.
 
     Parameters
     ----------
@@ -993,7 +993,7 @@ def fill_sentence(sentence: str, values: Mapping[str, object]) -> str:
 
     Examples
     --------
-    >>> filled("{share:percent} of {pressure:given fluid pressure}", {"share": 0.2, "pressure": 2e6})
+    >>> fill_sentence("{share:percent} of {pressure:given fluid pressure}", {"share": 0.2, "pressure": 2e6})
     '20 % of 20 bar'
     """
     return _Sentence().vformat(sentence, (), values)

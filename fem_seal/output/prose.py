@@ -77,7 +77,7 @@ def phrase(where: str, *parts: str, **values: object) -> str:
     *parts : str
         Keys of the sentences, in their order; empty ones are skipped.
     **values
-        Values of the {names} in them, see `filled`.
+        Values of the {names} in them, see `fill_sentence`.
     """
     kind, name = where.split(".")
     sentences = prose()[kind][name]
@@ -94,7 +94,7 @@ def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -
     without : collection of str
         Names that are left out.
     **values
-        Values of the {names} in both, see `filled`.
+        Values of the {names} in both, see `fill_sentence`.
     """
     rows = prose()["rows"][name]
     return [

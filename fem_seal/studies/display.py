@@ -166,7 +166,7 @@ class Display:
         return numbers, self.describe(numbers)
 
     def describe(self, numbers: list[int]) -> dict[str, list[str]]:
-        """What some designs are, as texts by their labels, see `best`."""
+        """What some designs are, as texts by their labels, see `describe_best`."""
         designs, about = self.designs, self.designs.about
         names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
         rows = designs.successes.loc[numbers].index
@@ -293,7 +293,7 @@ def lift_zeros(values: FloatArray) -> FloatArray:
 
     Examples
     --------
-    >>> lifted(np.array([0.0, 1.0, 20.0])).round(2).tolist()
+    >>> lift_zeros(np.array([0.0, 1.0, 20.0])).round(2).tolist()
     [0.32, 1.0, 20.0]
     """
     above = values[np.isfinite(values) & (values > 0)]

@@ -610,7 +610,7 @@ def stored_number(value: float) -> float | None:
 
     Examples
     --------
-    >>> storable(2.0), storable(1e-300), storable(1e200), storable(float("nan"))
+    >>> stored_number(2.0), stored_number(1e-300), stored_number(1e200), stored_number(float("nan"))
     (2.0, 0.0, None, None)
     """
     if not abs(value) <= LARGEST:

@@ -146,11 +146,11 @@ def test_workers_come_to_where_their_shares_meet():
     chunks = [object() for _ in range(12)]
     shares, place = WorkQueue(chunks, ["a", "b"]), {id(chunk): n for n, chunk in enumerate(chunks)}
     # b is twice as fast
-    order = [(worker, place[id(shares.next(worker))]) for worker in "abb" * 4]
+    order = [(worker, place[id(shares.take_chunk(worker))]) for worker in "abb" * 4]
     assert sorted(n for _, n in order) == list(range(12))
     assert [n for worker, n in order if worker == "b"] == [11, 10, 9, 8, 7, 6, 5, 4]
     assert [n for worker, n in order if worker == "a"] == [0, 1, 2, 3]
-    assert shares.next("c") is None
+    assert shares.take_chunk("c") is None
 
 
 def test_points_that_follow_explicitly_cost_no_steps(model, laws, monkeypatch):
