@@ -605,8 +605,11 @@ def test_a_best_design_at_the_edge_of_a_range_is_told(capsys):
     assert told in capsys.readouterr().out
     # in the middle of one of them; two goals have many best designs
     inside = likely_designs([0.5, 0.5, 0.9, 0.9, 0.5, 0.5], goals={"pass_probability": "-(pass_probability)"})
-    assert inside.at_edge == ["load.applied_force"]
-    assert likely_designs([0.5] * 6, goals={LEAK_RATE: LEAK_RATE, "seat.angle": "seat.angle"}).at_edge == []
+    assert inside.parameters_at_edge == ["load.applied_force"]
+    assert (
+        likely_designs([0.5] * 6, goals={LEAK_RATE: LEAK_RATE, "seat.angle": "seat.angle"}).parameters_at_edge
+        == []
+    )
 
 
 def test_a_sealed_design_leaves_the_axes_logarithmic_and_stands_below_all_others():
@@ -628,7 +631,7 @@ def test_a_sealed_design_leaves_the_axes_logarithmic_and_stands_below_all_others
     assert "One sealed design stands at the lower end" in headings(designs)["Responses over parameters"].note
     # zeros alone, or beside numbers that fill no decade, ask for no such axis
     flat = made([ANGLE], {"seat.angle": ANGLE["levels"], LEAK_RATE: [0.0, ML, 2.0 * ML]})
-    assert not Display(flat).logarithmic(LEAK_RATE) and Display(flat).sealed == 0
+    assert not Display(flat).logarithmic(LEAK_RATE) and Display(flat).sealed_count == 0
 
 
 def test_the_map_of_a_study_with_a_sealed_design_has_no_hole():

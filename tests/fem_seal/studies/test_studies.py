@@ -179,8 +179,8 @@ def test_undefined_is_nan_and_meets_nothing():
         # Python's own min and max give the first of them where the other one is NaN
         assert math.isnan(Expression(text)({"a": 1.0, "b": math.nan}))
         assert math.isnan(Expression(text)({"a": math.nan, "b": 1.0}))
-    assert not Constraint("min(a, b) < 5").met({"a": 1.0, "b": math.nan})
-    assert not Constraint("1 / a < 5").met({"a": 0.0})
+    assert not Constraint("min(a, b) < 5").is_met({"a": 1.0, "b": math.nan})
+    assert not Constraint("1 / a < 5").is_met({"a": 0.0})
     assert Constraint("1 / a < 5").violation({"a": 0.0}) == math.inf
 
 
