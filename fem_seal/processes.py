@@ -112,15 +112,14 @@ def _undisturbed(loaded: Sequence[str]) -> Iterator[None]:
     names = [f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")]
     missing = [name for name in names if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, "1"))
-    masks = hasattr(signal, "pthread_sigmask")
-    if masks:
+    if hasattr(signal, "pthread_sigmask"):
         # threads and processes inherit what is blocked, but where Python starts this helper, it is let through again
         resource_tracker.ensure_running()
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        if masks:
+        if hasattr(signal, "pthread_sigmask"):
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for name in missing:
             del os.environ[name]
@@ -156,20 +155,21 @@ def _guard(memory: float) -> None:
 def usable_memory() -> float:
     """What this machine, or the container around this process, has [bytes]; infinite where it is not known."""
     limits = [math.inf]
-    with suppress(AttributeError, ValueError, OSError):
-        limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    if hasattr(os, "sysconf"):
+        with suppress(ValueError, OSError):
+            limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
         with suppress(ValueError, OSError):
-            limits.append(int(Path(file).read_text()))
+            limits.append(int(Path(file).read_text(encoding="utf-8")))
     return min(limits)
 
 
 def _peak_memory() -> float:
     """What this process has taken at most [bytes]; zero on Windows, which does not say it."""
-    try:
-        import resource
-    except ImportError:
+    if sys.platform == "win32":
         return 0.0
+    import resource
+
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else 1024.0 * peak
 

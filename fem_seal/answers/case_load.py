@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Self, TypeVar
 import numpy as np
 
 from fem_seal.answers.judgement import BoltState, LoadVerdict, PassProbability, Verdict, VerdictForce
-from fem_seal.contact.solution import yielding_of
 from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import DIRECT_SCATTER, NEARLY_SEALED, SEALED, VALID, Finding, Level, Validity
@@ -208,6 +207,7 @@ class CaseLoad(LoadResult):
     def zones(self) -> dict[str, YieldedZone | PlasticZone | None]:
         """Where each body has yielded or, solved as elastic, exceeds its yield stress; None of one that does not."""
         # the check of a case loads no finite elements
+        from fem_seal.contact.solution import yielding_of
 
         beyond = {load: yielding_of(load.contact) for load in self.contact_loads}
         return {name: beyond[load].get(body) for name, (load, body) in self.named_bodies.items()}

@@ -277,6 +277,7 @@ class GivenContact:
 
     whole: PressureProfile
     largest = None
+    history = ()
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:
