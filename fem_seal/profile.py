@@ -178,7 +178,7 @@ class PressureProfile:
     def pressed_up_to(self, most: float) -> PressureProfile:
         """The same if no place carried or had carried more than a pressure [Pa]."""
         largest = None if self.largest is None else np.minimum(self.largest, most)
-        parts = tuple(one.pressed_up_to(most) for one in self.parts)
+        parts = tuple(part.pressed_up_to(most) for part in self.parts)
         return replace(self, pressure=np.minimum(self.pressure, most), largest=largest, parts=parts)
 
     @property
@@ -267,7 +267,7 @@ def tightest_profile(profiles: Sequence[PressureProfile]) -> PressureProfile:
     ----------
     profiles : sequence of PressureProfile
     """
-    return max(profiles, key=lambda one: one.peak_pressure) if len(profiles) > 1 else profiles[0]
+    return max(profiles, key=lambda profile: profile.peak_pressure) if len(profiles) > 1 else profiles[0]
 
 
 def join_lands(profiles: Sequence[PressureProfile]) -> PressureProfile:
@@ -280,9 +280,9 @@ def join_lands(profiles: Sequence[PressureProfile]) -> PressureProfile:
     """
     if len(profiles) == 1:
         return profiles[0]
-    known = [one.largest for one in profiles if one.largest is not None]
+    known = [profile.largest for profile in profiles if profile.largest is not None]
     x, radius, pressure, gap, weight = (
-        np.concatenate([getattr(one, name) for one in profiles])
+        np.concatenate([getattr(profile, name) for profile in profiles])
         for name in ("x", "radius", "pressure", "gap", "arc_weight")
     )
     ends = profiles[0].ends[0], profiles[-1].ends[1]

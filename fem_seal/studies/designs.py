@@ -45,7 +45,9 @@ def points(design: Design, parameters: Sequence[Parameter]) -> FloatArray:
     if design.kind == "grid":
         return _grid(parameters)
     unit = unit_points(design, len(parameters))
-    return np.column_stack([one.values(_shares(design, one, unit[:, n])) for n, one in enumerate(parameters)])
+    return np.column_stack(
+        [parameter.values(_shares(design, parameter, unit[:, n])) for n, parameter in enumerate(parameters)]
+    )
 
 
 def _shares(design: Design, parameter: Parameter, unit: FloatArray) -> FloatArray:
@@ -57,10 +59,10 @@ def _shares(design: Design, parameter: Parameter, unit: FloatArray) -> FloatArra
 
 
 def _grid(parameters: Sequence[Parameter]) -> FloatArray:
-    count = int(np.prod([len(one.numbers) for one in parameters], dtype=object))
+    count = int(np.prod([len(parameter.numbers) for parameter in parameters], dtype=object))
     if count > MOST_POINTS:
         raise InputError.at("design", f"has {count} designs; allowed are {MOST_POINTS}")
-    axes = np.meshgrid(*(one.numbers for one in parameters), indexing="ij")
+    axes = np.meshgrid(*(parameter.numbers for parameter in parameters), indexing="ij")
     return np.column_stack([axis.ravel() for axis in axes])
 
 

@@ -58,8 +58,8 @@ class Designs:
         constraints = {name: Constraint(text) for name, text in about["constraints"].items()}
         if constraints:
             rows = records(table)
-            for name, one in constraints.items():
-                table[name] = [one.is_met(row) for row in rows]
+            for name, constraint in constraints.items():
+                table[name] = [constraint.is_met(row) for row in rows]
         return cls(table, about)
 
     @cached_property
@@ -92,7 +92,11 @@ class Designs:
     def parameters_at_edge(self) -> list[str]:
         """Numeric parameters at an end of whose range the best design by the only goal is."""
         best = self.best(1) if len(self.about["goals"]) == 1 else []
-        ranges = {one["name"]: one["bounds"] for one in self.about["parameters"] if one["numeric"]}
+        ranges = {
+            parameter["name"]: parameter["bounds"]
+            for parameter in self.about["parameters"]
+            if parameter["numeric"]
+        }
         return [
             name
             for name, (low, high) in ranges.items()
@@ -192,17 +196,17 @@ class Designs:
     @property
     def has_distribution(self) -> bool:
         """Whether a parameter was drawn from a distribution."""
-        return any(one["distribution"] for one in self.about["parameters"])
+        return any(parameter["distribution"] for parameter in self.about["parameters"])
 
     @property
     def parameters(self) -> list[str]:
         """What varies."""
-        return [str(one["name"]) for one in self.about["parameters"]]
+        return [str(parameter["name"]) for parameter in self.about["parameters"]]
 
     @property
     def numeric_parameters(self) -> list[str]:
         """Parameters that are numbers."""
-        return [one["name"] for one in self.about["parameters"] if one["numeric"]]
+        return [parameter["name"] for parameter in self.about["parameters"] if parameter["numeric"]]
 
     @property
     def outputs(self) -> list[str]:
@@ -230,7 +234,9 @@ class Designs:
 
         formulas = {name: Expression(text) for name, text in self.about["goals"].items()}
         rows = records(self.successes)
-        values = {name: [self.sign(name) * one(row) for row in rows] for name, one in formulas.items()}
+        values = {
+            name: [self.sign(name) * formula(row) for row in rows] for name, formula in formulas.items()
+        }
         return pd.DataFrame(values, index=self.successes.index, dtype=float)
 
     def sign(self, goal: str) -> float:
@@ -299,9 +305,14 @@ def quantiles(values: FloatArray) -> dict[float, float]:
 
 def other_leak_rates(designs: Designs) -> dict[str, FloatArray]:
     """Leak rates in the scenarios beside, as far as some design has them [m^3/s]."""
-    known = {one: column for one in BESIDE if (column := leak_rate_column(one)) in designs.successes}
-    found = {one: designs.successes[column].dropna().to_numpy(dtype=float) for one, column in known.items()}
-    return {one: rates for one, rates in found.items() if len(rates)}
+    known = {
+        scenario: column for scenario in BESIDE if (column := leak_rate_column(scenario)) in designs.successes
+    }
+    found = {
+        scenario: designs.successes[column].dropna().to_numpy(dtype=float)
+        for scenario, column in known.items()
+    }
+    return {scenario: rates for scenario, rates in found.items() if len(rates)}
 
 
 def class_shares(designs: Designs) -> list[tuple[str, float, float]]:

@@ -185,7 +185,7 @@ class Display:
 
     @cached_property
     def _parameters(self) -> dict[str, dict[str, Any]]:
-        return {one["name"]: one for one in self.designs.about["parameters"]}
+        return {parameter["name"]: parameter for parameter in self.designs.about["parameters"]}
 
     @cached_property
     def _units(self) -> dict[str, Unit]:
@@ -247,7 +247,7 @@ def parameter_words(path: str) -> str:
     """
     *tables, key = path.split(".")
     # lists are counted from one where people read them
-    parts = [str(int(one) + 1) if one.isdecimal() else one for one in tables if one not in _UNSAID]
+    parts = [str(int(table) + 1) if table.isdecimal() else table for table in tables if table not in _UNSAID]
     return " ".join([*parts, own_tables(LOOKS)["called"].get(key, key.replace("_", " "))])
 
 

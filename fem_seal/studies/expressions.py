@@ -26,7 +26,7 @@ def _smallest(*numbers: float) -> float:
 
 
 def _largest(*numbers: float) -> float:
-    return -_smallest(*(-one for one in numbers))
+    return -_smallest(*(-number for number in numbers))
 
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
@@ -91,7 +91,7 @@ class Part:
 
     def _evaluate(self, values: Mapping[str, float]) -> float:
         if callable(self.what):
-            return float(self.what(*(one._evaluate(values) for one in self.parts)))
+            return float(self.what(*(part._evaluate(values) for part in self.parts)))
         return float(values[self.what]) if isinstance(self.what, str) else self.what
 
     def unit_of(self, units: Mapping[str, str]) -> str | None:

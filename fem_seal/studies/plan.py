@@ -68,7 +68,7 @@ class StudyPlan:
     @property
     def names(self) -> list[str]:
         """Paths of the parameters."""
-        return [one.name for one in self.parameters]
+        return [parameter.name for parameter in self.parameters]
 
     @property
     def output_names(self) -> list[str]:
@@ -77,7 +77,10 @@ class StudyPlan:
 
     def values(self, point: Sequence[float] | FloatArray) -> dict[str, Value]:
         """Value of each parameter in a design, SI, texts as they are."""
-        return {one.name: one.value(number) for one, number in zip(self.parameters, point, strict=True)}
+        return {
+            parameter.name: parameter.value(number)
+            for parameter, number in zip(self.parameters, point, strict=True)
+        }
 
     def case_of(self, point: Sequence[float] | FloatArray) -> Case:
         """The case of a design.
@@ -314,15 +317,15 @@ def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool
 
 
 def _check_searched(parameters: Sequence[Parameter]) -> None:
-    for one in parameters:
-        if isinstance(one.distribution, (Normal, LogNormal)):
-            raise InputError(problem("study_search_of_chance", key=one.name))
+    for parameter in parameters:
+        if isinstance(parameter.distribution, (Normal, LogNormal)):
+            raise InputError(problem("study_search_of_chance", key=parameter.name))
 
 
 def _check_grid(design: Design, parameters: Sequence[Parameter]) -> None:
-    for one in parameters:
-        if one.distribution is not None:
-            raise InputError(problem("study_grid_of_distribution", key=one.name))
+    for parameter in parameters:
+        if parameter.distribution is not None:
+            raise InputError(problem("study_grid_of_distribution", key=parameter.name))
     if design.num is not None:
         raise InputError(problem("study_grid_num"))
 
@@ -332,10 +335,12 @@ def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
         raise InputError(problem("study_num_missing", kind=design.kind))
     if design.kind in SENSITIVITY and design.num < 2:
         raise InputError(problem("study_num_of_sensitivity", kind=design.kind, num=design.num))
-    for one in parameters:
-        if one.distribution is None and one.numeric:
-            low, high = map(one.entry.shown, one.bounds)
-            words = problem("study_sample_of_levels", key=one.name, kind=design.kind, low=low, high=high)
+    for parameter in parameters:
+        if parameter.distribution is None and parameter.numeric:
+            low, high = map(parameter.entry.shown, parameter.bounds)
+            words = problem(
+                "study_sample_of_levels", key=parameter.name, kind=design.kind, low=low, high=high
+            )
             raise InputError(words)
 
 

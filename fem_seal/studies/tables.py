@@ -87,14 +87,17 @@ def entries(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray
         Number of each, see `Parameter.value`.
     """
     return {
-        one.name: one.entry.written(one.value(number)) for one, number in zip(parameters, point, strict=True)
+        parameter.name: parameter.entry.written(parameter.value(number))
+        for parameter, number in zip(parameters, point, strict=True)
     }
 
 
 def design_text(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> str:
     """A design for people: the values of its parameters, see `entries`."""
     values = zip(parameters, point, strict=True)
-    return ", ".join(f"{one.name} = {one.entry.shown(one.value(number))}" for one, number in values)
+    return ", ".join(
+        f"{parameter.name} = {parameter.entry.shown(parameter.value(number))}" for parameter, number in values
+    )
 
 
 def read_parameter(entry: Entry, given: object) -> Parameter:
