@@ -47,7 +47,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
     curves = [(own.names[0], surface, ORANGE if surface.hardness is None else BLUE)]
     curves += [
         (scenario.name, scenario.problem.surface or surface, GREEN if words.condition else ORANGE)
-        for scenario in alternatives_on_contact(result.problem.halves[0])
+        for scenario in alternatives_on_contact(result.problem)
         if (words := SCENARIOS[scenario.name]).curve
     ]
     values = [np.asarray(of.critical_separation(p)) for _, of, _ in curves]
