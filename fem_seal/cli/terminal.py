@@ -405,8 +405,8 @@ def show_answers(result: SealSolution) -> None:
     ----------
     result : SealSolution
     """
-    from fem_seal.output.answers import SHOWN
     from fem_seal.output.report.words import load_notes
+    from fem_seal.output.shown_answers import SHOWN
 
     groups = (load_notes(result), *(shown.lines(result) for shown in SHOWN if shown.asked(result)))
     for line in chain.from_iterable(groups):

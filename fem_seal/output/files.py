@@ -15,7 +15,7 @@ from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Imprint
 from fem_seal.contact.solution import PlasticZone, YieldedZone
 from fem_seal.files import as_json, write_text
-from fem_seal.output import answers
+from fem_seal.output import shown_answers
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
@@ -61,7 +61,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
         If a file cannot be written.
     """
     folder, steps = Path(folder), OptionalSteps()
-    tables = [name for shown in answers.SHOWN for name in shown.tables]
+    tables = [name for shown in shown_answers.SHOWN for name in shown.tables]
     with replaced_together(folder, tables=tables) as draft:
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
@@ -73,7 +73,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
                 write_one(result, draft)
         own = {
             name: table
-            for shown in answers.SHOWN
+            for shown in shown_answers.SHOWN
             if shown.asked(result)
             for name, table in shown.tables.items()
         }
@@ -156,7 +156,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
             "changes": [by_scenario(asdict(change)) for change in result.far_field],
             "says": far_field_sentence(result),
         },
-        **{key: value for shown in answers.SHOWN for key, value in shown.summary_of(result).items()},
+        **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary_of(result).items()},
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
         "sources": [asdict(source) for source in sources(result)],

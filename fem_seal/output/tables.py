@@ -22,7 +22,6 @@ import numpy as np
 
 from fem_seal.answers.case_load import AnyLoad, CaseLoad
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
-from fem_seal.answers.verdict import missing_verdict
 from fem_seal.files import own_tables, write_bytes
 from fem_seal.seal.findings import NOT_CALCULATED, VALID, VALIDITY_COLUMNS, Validity, validity_entries
 from fem_seal.seal.load_result import MissingLoad, in_order
@@ -469,6 +468,9 @@ def _texts(verdict: Verdict | None, validity: Validity) -> dict[str, Any]:
 
 
 def _missing_row(case: Case, load: MissingLoad, columns: Sequence[str]) -> dict[str, Any]:
+    # the check of a case loads no finite elements
+    from fem_seal.answers.verdict import missing_verdict
+
     judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
     verdict = missing_verdict(case, load.point, load.problem).verdict if judged else None
     why = why_missing(load.problem)

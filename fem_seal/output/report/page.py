@@ -20,7 +20,7 @@ from fem_seal.contact.laws import HardContact
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone
 from fem_seal.files import write_text
-from fem_seal.output import answers, case_words
+from fem_seal.output import case_words, shown_answers
 from fem_seal.output.answers import verdict
 from fem_seal.output.case_words import law_word
 from fem_seal.output.pictures.contact import (
@@ -150,7 +150,7 @@ def _draw_pictures(
         yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
         yield temperature_picture(result, top)
         yield imprint_picture(result)
-    for shown in answers.SHOWN:
+    for shown in shown_answers.SHOWN:
         if shown.asked(result):
             yield from shown.pictures(result)
 
@@ -237,9 +237,9 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "comparison": comparison_table(result, sizes),
         "yielding": yielding_table(result),
         "sections": list(
-            filter(None, (shown.section(result) for shown in answers.SHOWN if shown.asked(result)))
+            filter(None, (shown.section(result) for shown in shown_answers.SHOWN if shown.asked(result)))
         ),
-        **{name: value for shown in answers.SHOWN for name, value in shown.words_of(result).items()},
+        **{name: value for shown in shown_answers.SHOWN for name, value in shown.words_of(result).items()},
     }
 
 

@@ -11,7 +11,7 @@ from sample_results import case, run_loads, smooth_case
 
 from fem_seal.answers import chain
 from fem_seal.answers.answer import Answer
-from fem_seal.output import answers
+from fem_seal.output import shown_answers
 from fem_seal.output.pictures.style import Picture, panels, svg
 from fem_seal.output.shown import ReadableTable, Section, Shown
 from fem_seal.units import percent
@@ -88,7 +88,7 @@ SHOWN = Shown(
 @pytest.fixture
 def _added(monkeypatch):
     monkeypatch.setattr(chain, "ANSWERS", (*chain.ANSWERS, INDENTATION))
-    monkeypatch.setattr(answers, "SHOWN", (*answers.SHOWN, SHOWN))
+    monkeypatch.setattr(shown_answers, "SHOWN", (*shown_answers.SHOWN, SHOWN))
 
 
 @pytest.mark.usefixtures("_added", "unrendered")

@@ -22,9 +22,9 @@ from fem_seal.cli.app import main
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_text
 from fem_seal.output import files, folders
-from fem_seal.output.answers import SHOWN
 from fem_seal.output.folders import FILE as LOCK
 from fem_seal.output.folders import UNFINISHED, folder_lock, replaced_together, unfinished
+from fem_seal.output.shown_answers import SHOWN
 
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 

@@ -1,0 +1,34 @@
+"""Contributions of all answers to files, report and terminal."""
+
+from fem_seal.output.answers import (
+    bolts,
+    compression,
+    error_shares,
+    form,
+    lands,
+    particles,
+    sensitivities,
+    standard_tests,
+    target,
+    uncertainty,
+    variants,
+    verdict,
+)
+from fem_seal.output.shown import Shown
+
+# In the order on the terminal.
+_PAGES = (
+    compression,
+    lands,
+    target,
+    bolts,
+    form,
+    particles,
+    variants,
+    uncertainty,
+    error_shares,
+    verdict,
+    standard_tests,
+    sensitivities,
+)
+SHOWN: tuple[Shown, ...] = tuple(page.SHOWN for page in _PAGES)
