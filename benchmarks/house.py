@@ -284,7 +284,12 @@ def _run_into(root: Path, folder: Path) -> None:
     finally:
         sys.setprofile(None)
     files = sorted(
-        {str(Path(code.co_filename).relative_to(root)) for code, counts in called.items() if counts}
+        {
+            str(Path(code.co_filename).relative_to(root))
+            for code, counts in called.items()
+            if counts
+            and code.co_filename.endswith(".py")  # jinja's templates are none of the program's modules
+        }
     )
     (folder / "entered.txt").write_text("\n".join(files), encoding="utf-8")
     sys.exit(code)

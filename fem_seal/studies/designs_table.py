@@ -138,7 +138,7 @@ class Designs:
         return told.fillna("").astype(object)
 
     @cached_property
-    def outside_theory(self) -> pd.Series:
+    def is_outside(self) -> pd.Series:
         """Which designs that did not fail are outside the theory, so that nothing can be claimed of them."""
         return self.validity == Level.OUTSIDE
 
@@ -150,7 +150,7 @@ class Designs:
     @cached_property
     def eligible(self) -> pd.Series:
         """Which designs that did not fail can be the best: they meet all constraints and are inside the theory."""
-        kept = ~self.outside_theory | self.keeps_outside
+        kept = ~self.is_outside | self.keeps_outside
         return kept & self.successes.index.isin(self.feasible.index)
 
     @property
@@ -332,7 +332,7 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     ends = [name for name in _UPPER_ENDS if name in designs.successes]
     # without a number of its own an end is that of the leak rate
     leak_rate = designs.successes.loc[leak_rate.index, ends].max(axis=1)
-    claimed = ~designs.outside_theory[leak_rate.index]
+    claimed = ~designs.is_outside[leak_rate.index]
     limits = {
         # of what may not be seen: what nobody sees
         limit.name: limit.leak_rate or invisible_leak_rate(gas=seal["gas"])

@@ -107,7 +107,7 @@ class Display:
         """Words that a parameter takes, in the order of the user, as they are written."""
         return [_word(level) for level in self._parameters[name]["levels"]]
 
-    def range_text(self, name: str) -> str:
+    def values_text(self, name: str) -> str:
         """Which values a parameter takes, in its unit."""
         parameter = self._parameters[name]
         if not parameter["numeric"]:

@@ -234,7 +234,7 @@ def passing_words(display: Display) -> str:
     likely, limit = designs.successes[designs_table.PASSES], designs.limit
     allowed = f" less than {format_quantity('flow', limit)}" if limit else ""
     count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
-    outside = int((likely.isna() & designs.outside_theory).sum()) == unknown
+    outside = int((likely.isna() & designs.is_outside).sum()) == unknown
     best, row = share_text(float(likely.max())), likely.nlargest(1).index
     told = [
         (display.title(one), *display.texts(row, one), display.unit(one).name) for one in designs.parameters
@@ -339,13 +339,13 @@ def _class_section(designs: designs_table.Designs) -> Iterator[Section]:
 def _design_counts(designs: designs_table.Designs) -> tuple[int, int, int]:
     """Designs that shares are shares of, those that failed, and those of the former outside the theory."""
     calculated = int(designs.successes[designs_table.LEAK_RATE].notna().sum())
-    return calculated, len(designs.table) - len(designs.successes), int(designs.outside_theory.sum())
+    return calculated, len(designs.table) - len(designs.successes), int(designs.is_outside.sum())
 
 
 def _columns(display: Display) -> Section:
     about = display.designs.about
     rows = [
-        (name, display.title(name), display.unit(name).name or "–", display.range_text(name))
+        (name, display.title(name), display.unit(name).name or "–", display.values_text(name))
         for name in display.designs.parameters
     ]
     rows += [(name, name, "", text) for name, text in {**about["derived"], **about["constraints"]}.items()]
