@@ -88,7 +88,6 @@ AXES = {
             r"contact_loads",
             r"^halves$",
             r"both_faces?$",
-            r"by_face",
             r"with_faces",
             r"(lower|upper)_flange",
             r"upper_share",
