@@ -38,8 +38,6 @@ def test_the_error_is_that_of_the_first_item_that_fails(processes):
         fork_map(fails, range(8), processes)
 
 
-# slow: seldom ends a process of pytest-xdist, which has threads of its own beside the copies
-@pytest.mark.slow
 def test_the_share_of_a_copy_that_died_is_calculated_here():
     def dies_in_a_copy(n):
         if os.getpid() != HERE:
