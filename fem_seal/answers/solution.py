@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from fem_seal.answers.accuracy import ACCURACY, Comparison
 from fem_seal.answers.bolts import BOLTS
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
@@ -19,7 +19,7 @@ from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.seal.load_result import DiscretisationError, highest_load, strongest_load
+from fem_seal.seal.load_result import DiscretisationError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +29,6 @@ class SealSolution(SolvedSeal):
     `SealResult` has its table and its files besides; see there for the answers.
     """
 
-    loads: tuple[CaseLoad, ...]
     answers: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
@@ -70,16 +69,6 @@ class SealSolution(SolvedSeal):
     def judgement_beside(self) -> Mapping[str, tuple[int, LoadVerdict, Verdict]]:
         """What would decide in a scenario that comes to another verdict, see `fem_seal.answers.verdict`."""
         return VERDICT.of(self.answers).beside
-
-    @property
-    def strongest(self) -> CaseLoad:
-        """The load with the largest closing force; for it error, far field and interface laws are compared."""
-        return self.loads[strongest_load(self.loads)]
-
-    @property
-    def highest(self) -> CaseLoad:
-        """The load with the highest fluid pressure, which headline, report and terminal explain."""
-        return self.loads[highest_load(self.loads)]
 
     @property
     def verdict(self) -> Verdict | None:
