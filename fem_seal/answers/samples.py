@@ -47,7 +47,7 @@ KnownRates: TypeAlias = dict[tuple[int, int, bool], FloatArray | ConvergenceErro
 _AT_ONCE = 8
 # Samples whose heights say how rough the roughest are.
 _OF_HEIGHTS = 64
-# Share of the samples that must converge.
+# Share of the samples that must converge where some may fail.
 _FEWEST_CONVERGED = 0.7
 
 
@@ -434,8 +434,19 @@ class Samples:
         rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in found]
         return np.array(rows).reshape(len(found), len(loads), -1).swapaxes(1, 2)
 
-    def converged(self, rates: FloatArray) -> IntArray:
+    @property
+    def may_miss_some(self) -> bool:
+        """Whether some samples may fail: of a finish and of paths, whose extremes the bodies do not always bear."""
+        return self.of_finish or self.seal.problem.follows_path
+
+    def converged(self, rates: FloatArray, fewest: float = _FEWEST_CONVERGED) -> IntArray:
         """Which rows of `leak_rates` are those of samples that converged.
+
+        Parameters
+        ----------
+        rates : ndarray, shape (samples, ...)
+        fewest : float
+            Share of the samples that must converge.
 
         Raises
         ------
@@ -443,7 +454,7 @@ class Samples:
             If they are too few.
         """
         rows = np.flatnonzero(~np.isnan(rates.reshape(len(rates), -1)).any(axis=1))
-        if len(rows) < _FEWEST_CONVERGED * len(rates):
+        if len(rows) < fewest * len(rates):
             why = next(each for each in self.calculated.values() if isinstance(each, ConvergenceError))
             few = f"{len(rates) - len(rows)} of {len(rates)} samples did not converge"
             raise ConvergenceError(f"uncertainty: {few}, the first because {why}")

@@ -23,7 +23,7 @@ _OF_CONTACT = {answer.name for answer in (ACCURACY, OPENING, OWN_CONTACTS, INTER
 
 
 def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
-    """A solved seal with what answers know of its loads; they themselves are kept by the inquiry.
+    """A solved seal with what answers know of its loads; they themselves are kept by the request.
 
     Parameters
     ----------

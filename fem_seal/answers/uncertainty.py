@@ -318,7 +318,7 @@ class _Sampling:
             progress(f"uncertainty: samples up to {goal} of {most}")
             rates = self.rates(range(goal))
             # a contact that did not converge says nothing; the polynomial goes through the others
-            runs = samples.converged(rates)
+            runs = samples.converged(rates) if samples.may_miss_some else samples.converged(rates, 1.0)
             if goal < total and np.all((rates[runs] > 0) & np.isfinite(rates[runs])):
                 logs = np.log(rates[runs])
                 surface = fit(scores[runs], logs, scores)

@@ -31,7 +31,7 @@ from fem_seal.answers.samples import Samples, UncertainScans, uncertain_inputs
 from fem_seal.answers.uncertainty import LeakInterval, leak_interval
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.tables import Spread, Uncertainty
-from fem_seal.errors import InputError
+from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
@@ -141,6 +141,14 @@ def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
         # 2048 Sobol samples know the quantile to 1e-3 of its probability
         conserved, capped = samples.leak_rates([0])[0]
         np.testing.assert_allclose(end, outer(conserved, capped), rtol=3e-3)
+
+
+def test_a_sample_that_does_not_converge_leaves_no_interval_without_a_finish():
+    known = {(0, load, False): ConvergenceError("no contact") for load in range(9)}
+    with pytest.raises(
+        ConvergenceError, match="1 of 16 samples did not converge, the first because no contact"
+    ):
+        leak_interval(rough_result(), Uncertainty(samples=16, hardness=TEN_PER_CENT), known=known)
 
 
 @pytest.mark.slow
