@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import tomllib
 from collections.abc import Iterator
@@ -48,6 +49,16 @@ def load_gmsh() -> ModuleType:
     return gmsh
 
 
+def _ignore_broken_pipes() -> None:
+    """Handle SIGPIPE as Python does, behind whose back gmsh takes the default.
+
+    Whoever then writes to a process that has died would be ended by the system, without a word. Python lets the main
+    thread alone say so.
+    """
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
+
+
 @contextmanager
 def gmsh_session(name: str) -> Iterator[ModuleType]:
     """Give an empty gmsh model with known options, and leave gmsh as it was found.
@@ -68,6 +79,7 @@ def gmsh_session(name: str) -> Iterator[ModuleType]:
         if own:
             # interruptible=False: gmsh's own SIGINT handler works in the main thread only.
             gmsh.initialize(argv=["fem-seal"], readConfigFiles=False, run=False, interruptible=False)
+            _ignore_broken_pipes()
         before = {} if own else {key: gmsh.option.getNumber(key) for key in _OPTIONS}
         previous = None if own else gmsh.model.getCurrent()
         try:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 from itertools import pairwise
 from pathlib import Path
 
@@ -318,3 +320,17 @@ def test_extent_follows_arcs_beyond_their_ends() -> None:
         corners = np.array(arc.corners).T
         assert corners.max(axis=1) == pytest.approx(dense.max(axis=1), abs=1e-6)
         assert corners.min(axis=1) == pytest.approx(dense.min(axis=1), abs=1e-6)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="needs signals")
+def test_gmsh_leaves_the_process_to_be_told_of_a_broken_pipe():
+    """It takes the default of the system, which ends whoever writes to a process that has died."""
+    before = signal.getsignal(signal.SIGPIPE)
+    with gmsh_session("seat"):
+        pass
+    assert signal.getsignal(signal.SIGPIPE) == before
+    reader, writer = os.pipe()
+    os.close(reader)
+    with pytest.raises(BrokenPipeError):
+        os.write(writer, b"x")
+    os.close(writer)
