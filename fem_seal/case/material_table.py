@@ -537,7 +537,7 @@ def as_table(made: Material) -> dict[str, Any]:
     found = {}
     for key, field in MaterialTable.model_fields.items():
         value = getattr(made, key, None)
-        if value:
+        if value is not None and value is not False:
             quantity = next(quantities_of(field), None)
             found[key] = f"{value!r} {DIMENSIONS[quantity.dimension].si_unit}" if quantity else value
     if made.hardening is not None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel
 
 from fem_seal.case.case import Case
 from fem_seal.case.fields import Number, Quantity, Table, shown, values_of
-from fem_seal.case.material_table import MaterialTable, inheriting, library_table
+from fem_seal.case.material_table import MaterialTable, as_table, inheriting, library_table
 from fem_seal.case.notation import same_entry, tables_of, words_of
 from fem_seal.case.words import gone_entry
 from fem_seal.errors import InputError
@@ -155,16 +155,8 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
             elif isinstance(written, dict):
                 changes[f"{body}.material"] = inheriting(written)
             elif material.hardening is None and not material.over_temperature:
-                changes[f"{body}.material"] = _as_table(material)
+                changes[f"{body}.material"] = as_table(material)
     return case.replace_written(changes) if changes else case
-
-
-def _as_table(material: Material) -> dict[str, Any]:
-    numbers = asdict(material)
-    entries = {name: Entry(name, next(values_of(field), None)) for name, field in _fields(material).items()}
-    return {
-        name: entry.written(numbers[name]) for name, entry in entries.items() if numbers[name] is not None
-    }
 
 
 def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:

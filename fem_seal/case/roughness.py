@@ -21,6 +21,7 @@ from fem_seal.case.messages import problems
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file, own_tables, read_text_table
+from leak import files
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
@@ -37,20 +38,10 @@ Cutoff = Annotated[float, Quantity("length", "0.1 um", "100 mm")]
 # A value this far outside of the usual range of its process is remarked on.
 _UNUSUAL = 1.5
 HEIGHTS = ("Ra", "Rq", "Rz")
-ProcessName = Literal[
-    "lapped",
-    "polished",
-    "superfinished",
-    "ground",
-    "honed",
-    "turned",
-    "milled",
-    "reamed",
-    "sandblasted",
-    "shot blasted",
-    "as cast",
-    "unspecified",
-]
+if TYPE_CHECKING:
+    ProcessName = str
+else:
+    ProcessName = Literal[tuple(files.own_tables("leak.surfaces", "processes.toml")["processes"])]
 _LONGEST = 100
 _WRITTEN = re.compile(
     r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"

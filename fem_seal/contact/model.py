@@ -121,30 +121,6 @@ class ContactLine:
         """Functions that are one at an element end, zero at the others and linear between, shape (m, ends)."""
         return np.stack([np.interp(self.x, self.vertices, one) for one in np.eye(len(self.vertices))], axis=1)
 
-    def slope(self, values: FloatArray) -> FloatArray:
-        """Derivative over x of values at the points, shape (m,): numpy.gradient, whose weights are known here.
-
-        Parameters
-        ----------
-        values : ndarray, shape (m,)
-        """
-        before, here, after = self._slope_weights
-        slope, x = np.empty(values.shape), self.x
-        slope[1:-1] = before * values[:-2] + here * values[1:-1] + after * values[2:]
-        slope[0] = (values[1] - values[0]) / (x[1] - x[0])
-        slope[-1] = (values[-1] - values[-2]) / (x[-1] - x[-2])
-        return slope
-
-    @cached_property
-    def _slope_weights(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        step = np.diff(self.x)
-        left, right = step[:-1], step[1:]
-        return (
-            -right / (left * (left + right)),
-            (right - left) / (left * right),
-            left / (right * (left + right)),
-        )
-
 
 @dataclass(frozen=True)
 class ContactModel:

@@ -173,7 +173,7 @@ class ContactSolution:
         over a curved face turns nothing.
         """
         line = self.model.line
-        slope = line.slope(self.gap - line.initial_gap)
+        slope = np.gradient(self.gap - line.initial_gap, line.x)
         weight = line.arc_weight * self.pressure
         return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from fem_seal.case.case import Case, load_case
 from fem_seal.case.material_table import ALIASES, LIBRARY
@@ -193,11 +193,9 @@ def _finishes(case: Case) -> Iterator[Choice]:
         if height is None:
             continue
         path = f"roughness.{key}".rstrip(".")
-        processes = ProcessName.__args__  # type: ignore[attr-defined]
         yield Choice(f"{path} height", f"finish, {name}", height, _options(HEIGHTS))
-        yield Choice(
-            f"{path}.process", f"process, {name}", table.get("process", "unspecified"), _options(processes)
-        )
+        process, processes = table.get("process", "unspecified"), _options(get_args(ProcessName))
+        yield Choice(f"{path}.process", f"process, {name}", process, processes)
 
 
 def _requirement(case: Case) -> Iterator[Choice]:

@@ -62,12 +62,6 @@ class PeriodicHalfSpace:
         """Of the grid [m]."""
         return self.size / self.shape[0]
 
-    @property
-    def cell_area(self) -> float:
-        """Of one period [m^2]."""
-        n, m = self.shape
-        return n * m * self.spacing**2
-
     @cached_property
     def _compliance(self) -> FloatArray:
         (n, m), spacing = self.shape, self.spacing

@@ -95,23 +95,6 @@ class ElastoplasticState:
         """Share of the surface below which the metal has flowed [-]."""
         return float(np.mean(self.yielded))
 
-    @property
-    def yielded_depth(self) -> float:
-        """Down to which the metal has flowed [m]."""
-        points = math.prod(self.body.surface.shape)
-        deepest = int(self.yielded_points.max(initial=-1)) // points
-        return float(self.body.thickness[: deepest + 1].sum())
-
-    @property
-    def flattened_volume(self) -> float:
-        """Of all that plastic strain has lowered the surface by, in one cell [m^3]."""
-        return self.body.surface.cell_area * float(np.maximum(-self.raised, 0.0).mean())
-
-    @property
-    def raised_volume(self) -> float:
-        """Of all that plastic strain has raised the surface by, in one cell [m^3]."""
-        return self.body.surface.cell_area * float(np.maximum(self.raised, 0.0).mean())
-
     def field(self) -> FloatArray:
         """Plastic strain on the whole grid, shape (5, layers, n, m) [-]."""
         return self._on_grid(self.plastic_strain)
@@ -119,11 +102,6 @@ class ElastoplasticState:
     def equivalent_field(self) -> FloatArray:
         """Equivalent plastic strain on the whole grid, shape (layers, n, m) [-]."""
         return self._on_grid(self.equivalent_strain)
-
-    def deviatoric_stress(self) -> FloatArray:
-        """s at the middle of each layer, shape (5, layers, n, m) [Pa]."""
-        body, strain = self.body, self.field()
-        return 2.0 * body.shear_modulus * (body.distortion(body.response(strain), self.pressure) - strain)
 
     def _on_grid(self, values: FloatArray) -> FloatArray:
         shape = self.body.layers, *self.body.surface.shape
@@ -196,7 +174,7 @@ def press_elastoplastic(
     >>> bumps = 1e-6 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x)[None, :]
     >>> body = PeriodicHalfSpace(16, 1e-3, 100e9)
     >>> (state,) = press_elastoplastic(body, bumps, [5e7], yield_stress=2e8)
-    >>> bool(state.flattened_volume > 0.0 and state.contact_area > 0.1)
+    >>> bool(state.yielded_area > 0.0 and state.contact_area > 0.1)
     True
     """
     h, path = checked_heights(heights, "(n, m)"), checked_pressures("pressures", pressures)

@@ -387,14 +387,6 @@ class Clogging:
     leak_rate: float
     rate: float
 
-    def after_volume(self, volume: float) -> float:
-        """Leak rate once a volume has leaked [m^3/s]."""
-        return self.leak_rate * math.exp(-self.rate * volume)
-
-    def after_time(self, time: float) -> float:
-        """Leak rate after a time [m^3/s]."""
-        return self.leak_rate / (1.0 + self.rate * self.leak_rate * time)
-
     def volume_to(self, share: float) -> float:
         """Volume that leaks until a share of the first leak rate is left [m^3]; infinite if nothing clogs."""
         return math.inf if self.rate == 0.0 else -math.log(share) / self.rate

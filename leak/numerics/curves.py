@@ -325,21 +325,6 @@ def cell_cubics(h: FloatArray, y: FloatArray, slope: FloatArray) -> FloatArray:
     )
 
 
-def spline_weights(x: FloatArray, at: FloatArray) -> FloatArray:
-    """Matrix from values at points to those of their not-a-knot cubic spline in between, shape (len(at), n).
-
-    Parameters
-    ----------
-    x : ndarray
-        Points, increasing, shape (n,), n >= 3.
-    at : ndarray
-        From the first to the last of them.
-    """
-    k = x[1:-1].searchsorted(at, side="right")
-    c, s = _cubics(x, np.eye(x.size))[:, k], (at - x[k])[:, None]
-    return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
-
-
 def lagrange(t: float) -> tuple[float, float, float, float]:
     """Weights of the cubic through the values at 0, 1, 2, 3."""
     return (

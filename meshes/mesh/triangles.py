@@ -46,18 +46,6 @@ class Triangles(MeshTri):
         pairs = np.stack([numbers // stride, numbers % stride]).astype(t.dtype)
         return pairs, edge.reshape(len(indices), t.shape[1])
 
-    def with_boundaries(self, boundaries, boundaries_only=True):  # type: ignore[no-untyped-def]
-        """As scikit-fem does, without looking for the edges again."""
-        return super().with_boundaries(boundaries, boundaries_only)._with_edges_of(self)
-
-    def moved(self, p: FloatArray) -> Triangles:
-        """The same triangles over other places of the vertices [m], shape (2, n)."""
-        return replace(self, doflocs=p)._with_edges_of(self)
-
-    def _with_edges_of(self, other: Triangles) -> Triangles:
-        self._facets, self._t2f = other.facets, other.t2f
-        return self
-
 
 def facets_between(mesh: MeshTri, lines: Mapping[str, IntArray]) -> dict[str, IntArray]:
     """The facets of some lines.
@@ -108,7 +96,7 @@ def smooth_triangles(mesh: Triangles) -> Triangles:
         while np.any(harmed := _harmed_triangles(before, after := _measure_triangles(moved, mesh.t))):
             moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
         p, before = moved, after
-    return mesh.moved(p)
+    return replace(mesh, doflocs=p)
 
 
 def _measure_triangles(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArray]:

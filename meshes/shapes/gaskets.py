@@ -167,8 +167,8 @@ class DeltaRing:
     --------
     >>> import math, meshes
     >>> ring = meshes.DeltaRing(0.05, 0.01, math.radians(60), 5e-4)
-    >>> print(f"first touch at r = {ring.crest_radius * 1e3:.2f} mm")
-    first touch at r = 50.50 mm
+    >>> print(f"{ring.outline.area * 1e6:.2f} mm^2 of half a section")
+    6.61 mm^2 of half a section
     """
 
     inner_radius: float
@@ -181,11 +181,6 @@ class DeltaRing:
             "gasket", inner_radius=self.inner_radius, height=self.height, edge_radius=self.edge_radius
         )
         check_angle("gasket", "angle", self.angle)
-
-    @property
-    def crest_radius(self) -> float:
-        """Where the rounded edge is highest [m]."""
-        return self.inner_radius + self.edge_radius
 
     @property
     def outline(self) -> Outline:

@@ -25,8 +25,19 @@ def rough(n, cutoff, seed=0, hurst=0.8, rolloff=4):
     return h / np.sqrt(np.sum(power * (wave[:, None] ** 2 + wave[None, :] ** 2)))
 
 
+def deviatoric_stress(state):
+    """At the middle of each layer, of the strain that the metal is left with."""
+    body, strain = state.body, state.field()
+    return 2.0 * body.shear_modulus * (body.distortion(body.response(strain), state.pressure) - strain)
+
+
 def mises(state):
-    return np.sqrt(1.5 * squared_norm(state.deviatoric_stress()))
+    return np.sqrt(1.5 * squared_norm(deviatoric_stress(state)))
+
+
+def volume(state, sign):
+    """That plastic strain has raised (1) or lowered (-1) the surface by, over the area of the cell."""
+    return float(np.maximum(sign * state.raised, 0.0).mean())
 
 
 # ---------------------------------------------------------------- elastic half-space
@@ -132,7 +143,7 @@ def test_metal_that_does_not_flow_is_elastic():
     elastic = press(body, h, 0.02, tolerance=1e-5)
     assert state.gap == pytest.approx(elastic.gap, abs=1e-4 * h.std())
     assert state.contact_area == pytest.approx(np.mean(elastic.pressure > 0.0), rel=1e-4)
-    assert state.yielded_depth == state.yielded_area == state.flattened_volume == 0.0
+    assert state.yielded_points.size == state.yielded_area == volume(state, -1) == 0.0
 
 
 def sphere(n, radius):
@@ -162,7 +173,7 @@ def test_a_sphere_begins_to_yield_as_hertz_says():
         yielding = press_elastoplastic(
             PeriodicHalfSpace(n, 1.0, 1.0), sphere(n, radius), [at], yield_stress=p0 / 1.60, layers=40
         )[0]
-        assert (yielding.yielded_depth > 0.0) == flows
+        assert (yielding.yielded_points.size > 0) == flows
 
 
 @pytest.mark.slow
@@ -199,7 +210,7 @@ def test_stress_stays_within_the_yield_stress_and_work_is_never_negative(pressed
     _, _, states = pressed
     before = np.zeros_like(states[0].field())
     for state in states:
-        stress, step = state.deviatoric_stress(), state.field() - before
+        stress, step = deviatoric_stress(state), state.field() - before
         # the last iteration moves a point by a share of the step's strain
         assert mises(state).max() < 0.1 / 2.9 * 1.15
         assert np.quantile(mises(state), 0.999) < 0.1 / 2.9 * 1.01
@@ -239,9 +250,9 @@ def test_unloading_is_elastic_and_loading_again_finds_the_state_before(pressed):
 
 def test_metal_is_flattened_and_part_of_it_raised(pressed):
     _, _, states = pressed
-    flattened = [s.flattened_volume for s in states[:4]]
+    flattened = [volume(state, -1) for state in states[:4]]
     assert np.all(np.diff(flattened) > 0.0)
-    share = states[3].raised_volume / states[3].flattened_volume
+    share = volume(states[3], 1) / flattened[3]
     assert 0.3 < share < 0.8
     # where the surface touches it is lowered most
     touching = states[3].pressure > 0.0
@@ -274,7 +285,7 @@ def test_only_ratios_matter():
     for one, two in zip(unit, other, strict=True):
         assert two.gap / a == pytest.approx(one.gap, abs=1e-6)
         assert two.raised / a == pytest.approx(one.raised, abs=1e-6)
-        assert two.flattened_volume / (a * b**2) == pytest.approx(one.flattened_volume, rel=1e-4)
+        assert volume(two, -1) / a == pytest.approx(volume(one, -1), rel=1e-4)
 
 
 def test_hardening_carries_more():

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.answers.samples import Samples
 from fem_seal.answers.uncertainty import leak_interval
-from fem_seal.case.roughness import ProcessName, read_finish
+from fem_seal.case.roughness import read_finish
 from fem_seal.case.tables import Uncertainty
 from fem_seal.output.case_words import finish_numbers, finish_rows
 from fem_seal.output.report.words import facts, headline, leakage_lines
@@ -24,7 +23,6 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import leak_range_text
 from leak import Reading
-from leak.surfaces.finish import PROCESSES
 
 EXAMPLE = EXAMPLES / "ball_cone.toml"
 LAPPED = {"Ra": "0.2 um", "process": "lapped"}
@@ -44,10 +42,6 @@ def solved(base):
 
 def height(case):
     return case.roughness.build().rms_height
-
-
-def test_the_words_are_those_of_the_library():
-    assert set(get_args(ProcessName)) == set(PROCESSES)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from fem_seal.case.material_table import (
     CURVES,
     LIBRARY,
     _key,
+    as_table,
     library_name,
     material,
     similar_names,
@@ -532,3 +533,8 @@ def test_fluids_are_listed_at_a_temperature(call):
     assert code == 2 and "did you mean helium" in err
     code, _, err = call("materials", "stelite")
     assert code == 2 and 'do you mean "stellite 6"' in err
+
+
+def test_a_material_without_lateral_contraction_is_written_whole():
+    cork = fem_seal.Material("cork", youngs_modulus=3e7, poissons_ratio=0.0)
+    assert as_table(cork) == {"name": "cork", "youngs_modulus": "30000000.0 Pa", "poissons_ratio": 0.0}
