@@ -8,15 +8,14 @@ steps are first order: the path is walked in coarse and in half as long steps, s
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from direct_yielding_campaign import Calculation, complete, heights
 
-import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press, press_elastoplastic
 
 FILE = Path(__file__).with_name("direct_von_mises.csv")
@@ -72,21 +71,6 @@ PATCHES = (
     # held out, twice as fine
     Patch(256, 8, 64, 0.8, 203, (0.1,)),
 )
-
-
-def heights(patch: Patch) -> np.ndarray:
-    """Random phases, every amplitude as the spectrum says, rms slope 1."""
-    q, n = 2.0 * math.pi, patch.grid
-    spectrum = leak.PowerSpectrum.self_affine(
-        rms_height=1.0,
-        hurst=patch.hurst,
-        q_low=0.9 * q,
-        q_rolloff=patch.rolloff * q,
-        q_high=1.000001 * patch.cutoff * q,
-    )
-    h = leak.random_map(spectrum, size=1.0, points=n, seed=patch.seed, amplitudes="exact")
-    wave, power = q * np.fft.fftfreq(n, 1.0 / n), np.abs(np.fft.fft2(h) / n**2) ** 2
-    return h / math.sqrt(float(np.sum(power * (wave[:, None] ** 2 + wave[None, :] ** 2))))
 
 
 class Row(NamedTuple):
@@ -147,41 +131,29 @@ def von_mises(
                 yield "unload", _row(fraction * p, p, one.pressure > 0.0, one.gap, h_rms)
 
 
-def calculations(patch: Patch) -> Iterator[tuple[tuple[str, ...], Iterator[tuple[str, Row]]]]:
-    """All of one patch: the first columns of their rows, and the rows."""
+def calculations(patch: Patch) -> Iterator[Calculation]:
+    """All of one patch."""
     h = heights(patch)
 
-    def label(nu: float, hardening: float, hardness: float | None, model: str) -> tuple[str, ...]:
+    def calculation(
+        nu: float, hardening: float, hardness: float | None, model: str, states: Iterator[tuple[str, Row]]
+    ) -> Calculation:
         numbers = (*patch[:5], nu, hardening, math.nan if hardness is None else hardness)
-        return (*(f"{x:g}" for x in numbers), model)
+        label = (*(f"{x:g}" for x in numbers), model)
+        return label, ((*label, branch, *(f"{x:.6g}" for x in row)) for branch, row in states)
 
-    yield label(0.3, 0.0, None, "elastic"), elastic(patch, h, None)
+    yield calculation(0.3, 0.0, None, "elastic", elastic(patch, h, None))
     for hardness in patch.hardness:
-        yield label(0.3, 0.0, hardness, "capped"), elastic(patch, h, hardness)
+        yield calculation(0.3, 0.0, hardness, "capped", elastic(patch, h, hardness))
         for metal in patch.metals:
             for fine in (False, True):
                 model = f"von-mises-{'half' if fine else 'whole'}-steps"
-                yield label(*metal, hardness, model), von_mises(patch, h, hardness, metal, fine)
+                yield calculation(*metal, hardness, model, von_mises(patch, h, hardness, metal, fine))
 
 
-def main(file: Path = FILE) -> None:
+def main() -> None:
     """Add what is missing."""
-    done: set[tuple[str, ...]] = set()
-    if file.exists():
-        with file.open(newline="", encoding="utf-8") as lines:
-            done = {tuple(row[:9]) for row in csv.reader(lines)}
-    with file.open("a", newline="", encoding="utf-8") as lines:
-        writer = csv.writer(lines, lineterminator="\n")
-        if not done:
-            writer.writerow(COLUMNS)
-        for patch in PATCHES:
-            for label, states in calculations(patch):
-                if label in done:
-                    continue
-                rows = [(*label, branch, *(f"{x:.6g}" for x in row)) for branch, row in states]
-                writer.writerows(rows)
-                lines.flush()
-                print(", ".join(label), f"{len(rows)} states", flush=True)
+    complete(FILE, COLUMNS, (states for patch in PATCHES for states in calculations(patch)))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -169,31 +169,29 @@ def main() -> None:
     """Add what is missing to both tables."""
     spectra = [(0.7, 8), (0.5, 16), (0.9, 16), (0.5, 8), (0.9, 8), (0.7, 16)]
     several = [Patch(256, rolloff, 32, hurst, seed) for seed in (0, 1) for hurst, rolloff in spectra]
-    _complete(FILE, COLUMNS, patches(), rows)
-    _complete(THRESHOLD_FILE, THRESHOLD_COLUMNS, several, thresholds)
+    complete(FILE, COLUMNS, ((patch.label, rows(patch)) for patch in patches()))
+    complete(THRESHOLD_FILE, THRESHOLD_COLUMNS, ((patch.label, thresholds(patch)) for patch in several))
 
 
-def _complete(
-    path: Path,
-    columns: tuple[str, ...],
-    wanted: Iterable[Patch],
-    states: Callable[[Patch], Iterator[tuple[str, ...]]],
-) -> None:
-    done: set[tuple[str, ...]] = set()
-    if path.exists():
-        with path.open(newline="", encoding="utf-8") as file:
-            done = {tuple(row[:5]) for row in csv.reader(file)}
-    with path.open("a", newline="", encoding="utf-8") as file:
+# The first columns of the rows of a calculation, and the rows.
+Calculation = tuple[tuple[str, ...], Iterator[tuple[str, ...]]]
+
+
+def complete(path: Path, columns: tuple[str, ...], calculations: Iterable[Calculation]) -> None:
+    """Add the rows of those calculations that a table does not hold."""
+    with path.open("a+", newline="", encoding="utf-8") as file:
+        file.seek(0)
+        known = [tuple(row) for row in csv.reader(file)]
         writer = csv.writer(file, lineterminator="\n")
-        if not done:
+        if not known:
             writer.writerow(columns)
-        for patch in wanted:
-            if patch.label in done:
+        for label, states in calculations:
+            if any(row[: len(label)] == label for row in known):
                 continue
-            found = list(states(patch))
-            writer.writerows(found)
+            calculated = list(states)
+            writer.writerows(calculated)
             file.flush()
-            print(path.name, ", ".join(patch.label), f"{len(found)} states", flush=True)
+            print(path.name, ", ".join(label), f"{len(calculated)} states", flush=True)
 
 
 if __name__ == "__main__":

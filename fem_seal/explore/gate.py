@@ -129,19 +129,30 @@ def _send_headers(page: Dash) -> None:
         return response
 
 
-def report_defects(callback: Callable[..., Any]) -> Callable[..., Any]:
-    """A callback whose own failures are told from questions that are none."""
+def register_callback(page: Dash, *wiring: Any, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Have a function called by dash, its own failures told from questions that are none.
 
-    @wraps(callback)
-    def answer(*values: Any) -> Any:
-        try:
-            return callback(*values)
-        except (PreventUpdate, HTTPException):
-            raise
-        except Exception as error:
-            raise DefectError from error
+    Parameters
+    ----------
+    page : Dash
+    *wiring, **options
+        As of `Dash.callback`.
+    """
 
-    return answer
+    def register(callback: Callable[..., Any]) -> Any:
+        @page.callback(*wiring, **options)
+        @wraps(callback)
+        def answer(*values: Any) -> Any:
+            try:
+                return callback(*values)
+            except (PreventUpdate, HTTPException):
+                raise
+            except Exception as error:
+                raise DefectError from error
+
+        return answer
+
+    return register
 
 
 def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> None:

@@ -7,6 +7,7 @@ import re
 import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -21,7 +22,7 @@ from fem_seal.case.case import case_text, free_name, write_case
 from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, apply_choice, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
-from fem_seal.explore.gate import Design, Entered, PageRequest, refuse, report_defects, validate
+from fem_seal.explore.gate import Design, Entered, PageRequest, refuse, register_callback, validate
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
@@ -220,8 +221,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     app.clientside_callback(scripts["named"], Input("meta", "data"))
     app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
 
-    @app.callback(Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))
-    @report_defects
+    @register_callback(app, Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))
     def ask_for_news(_: Any, before: Any) -> int:
         # a question of its own, which takes no time: the answer of the other one is never overtaken by it
         if answers.news == before:
@@ -237,7 +237,8 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         "shown": Output("shown", "data"),
     }
 
-    @app.callback(
+    @register_callback(
+        app,
         outputs,
         Input("asked", "data"),
         Input("news", "data"),
@@ -245,7 +246,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         Input("dark", "data"),
         State("shown", "data"),
     )
-    @report_defects
     def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
         if not sent or dark is None:
             raise PreventUpdate
@@ -344,10 +344,13 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         prevent_initial_call=True,
     )
 
-    @app.callback(
-        Output("judged", "data"), Input("entered", "data"), State("meta", "data"), prevent_initial_call=True
+    @register_callback(
+        app,
+        Output("judged", "data"),
+        Input("entered", "data"),
+        State("meta", "data"),
+        prevent_initial_call=True,
     )
-    @report_defects
     def judge(entered: Any, meta: Any) -> Any:
         if not entered:
             raise PreventUpdate
@@ -382,7 +385,8 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
 def _choose(app: Dash, answers: Answers) -> None:
     """Everything that makes the controls anew: another case, or another design than that of the sliders."""
 
-    @app.callback(
+    @register_callback(
+        app,
         Output("controls", "children"),
         Output("meta", "data"),
         Output("typed", "data", allow_duplicate=True),
@@ -394,7 +398,6 @@ def _choose(app: Dash, answers: Answers) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @report_defects
     def choose(*sent: Any) -> Any:
         back, present = sent[-2:]
         done, said = _read_actions(), ""
@@ -504,14 +507,14 @@ def _is_choice(who: Any) -> bool:
 
 
 def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
-    @app.callback(
+    @register_callback(
+        app,
         Output("pins", "data"),
         Input("pin", "n_clicks"),
         State("pins", "data"),
         State("present", "data"),
         prevent_initial_call=True,
     )
-    @report_defects
     def pin(_: Any, pins: Any, present: Any) -> Any:
         if not _read_actions():
             raise PreventUpdate
@@ -520,8 +523,7 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
 
-    @app.callback(Output("pinned", "children"), Input("pins", "data"))
-    @report_defects
+    @register_callback(app, Output("pinned", "children"), Input("pins", "data"))
     def show_buttons(pins: Any) -> Any:
         return elements("pinned", names=list(zip(_place_pins(answers, pins), PIN_NAMES, PINS, strict=False)))
 
@@ -538,15 +540,10 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
 
 def _files(app: Dash, answers: Answers, folder: Path) -> None:
     reports: list[Path] = []
+    on_change = partial(register_callback, app, prevent_initial_call=True)
+    form = State("name", "value"), State("present", "data")
 
-    @app.callback(
-        Output("said", "children"),
-        Input("write", "n_clicks"),
-        State("name", "value"),
-        State("present", "data"),
-        prevent_initial_call=True,
-    )
-    @report_defects
+    @on_change(Output("said", "children"), Input("write", "n_clicks"), *form)
     def write(_: Any, name: Any, sent: Any) -> str:
         present = validate(PageRequest, sent, "present")
         session = _session(answers, present.design)
@@ -559,28 +556,15 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
         return f"Written: {path}. It runs with: fem-seal run {path.name}. {not_taken}".strip()
 
-    @app.callback(
-        Output("download", "data"),
-        Input("take-away", "n_clicks"),
-        State("name", "value"),
-        State("present", "data"),
-        prevent_initial_call=True,
-    )
-    @report_defects
+    @on_change(Output("download", "data"), Input("take-away", "n_clicks"), *form)
     def take_away(_: Any, name: Any, sent: Any) -> Any:
         present = validate(PageRequest, sent, "present")
         text = case_text(_session(answers, present.design).case(present.design).written, folder)
         return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
-    @app.callback(
-        Output("report-folder", "data"),
-        Output("report-said", "children", allow_duplicate=True),
-        Input("report", "n_clicks"),
-        State("name", "value"),
-        State("present", "data"),
-        prevent_initial_call=True,
-    )
-    @report_defects
+    said = Output("report-said", "children", allow_duplicate=True)
+
+    @on_change(Output("report-folder", "data"), said, Input("report", "n_clicks"), *form)
     def report(_: Any, name: Any, sent: Any) -> Any:
         present = validate(PageRequest, sent, "present")
         session = _session(answers, present.design)
@@ -594,13 +578,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
         return str(target), f"The report is being made in {target} ... {not_taken}".strip()
 
-    @app.callback(
-        Output("report-said", "children"),
-        Input("news", "data"),
-        State("report-folder", "data"),
-        prevent_initial_call=True,
-    )
-    @report_defects
+    @on_change(Output("report-said", "children"), Input("news", "data"), State("report-folder", "data"))
     def show_report_state(_: Any, target: Any) -> Any:
         problem = answers.report_problem(Path(validate(str, target, "report"))) if target else None
         if problem is None:

@@ -328,10 +328,6 @@ class Curve:
         """The curve without its last segment."""
         return Curve(self.segments[:-1])
 
-    def shifted(self, dz: float) -> Curve:
-        """The curve moved by dz [m] along the axis."""
-        return Curve(tuple(s.shifted(dz) for s in self.segments))
-
     @property
     def reversed(self) -> Curve:
         """The same curve run from its end to its start."""

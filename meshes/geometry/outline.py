@@ -290,12 +290,6 @@ class Outline:
         """Largest distance of the segments' end points from the axis [m]."""
         return max(s.start[0] for s in self.segments)
 
-    @property
-    def height(self) -> float:
-        """Extent of the segments' end points along z [m]."""
-        z = [s.start[1] for s in self.segments]
-        return max(z) - min(z)
-
 
 def _chord_area(s: Segment) -> float:
     (r0, z0), (r1, z1) = s.start, s.end

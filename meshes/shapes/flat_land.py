@@ -117,11 +117,6 @@ class FlatLand:
         return cls(land_inner_radius, land_outer_radius, edge, raised, outer, high)
 
     @property
-    def flat(self) -> tuple[float, float]:
-        """Radii between which the ring is flat [m]."""
-        return self.land_inner_radius + self.edge_radius, self.land_outer_radius - self.edge_radius
-
-    @property
     def outline(self) -> Outline:
         """Section with the ring at z = 0."""
         below = -self.land_height - self.land_outer_radius

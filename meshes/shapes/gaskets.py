@@ -115,7 +115,7 @@ class LensRing:
     --------
     >>> import meshes
     >>> lens = meshes.LensRing(0.06, 0.014, 0.025, 8e-3)
-    >>> print(f"{2 * lens.outline.height * 1e3:.1f} mm thick at the bore")
+    >>> print(f"{2 * lens.outline.extent[1][1] * 1e3:.1f} mm thick at the bore")
     15.6 mm thick at the bore
     """
 
