@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import mm
 from meshes.geometry.curve import Point, Segment
 from meshes.geometry.outline import Outline
 from meshes.shapes.shape import check_length, check_positive
@@ -38,8 +37,8 @@ class Ball:
 
     def __post_init__(self) -> None:
         check_positive("closure", radius=self.radius)
-        hollow, must = 0 <= self.cavity_radius < self.radius, f"must be below the radius {mm(self.radius)}"
-        check_length("closure", "cavity_radius", self.cavity_radius, hollow, must)
+        hollow, must = 0 <= self.cavity_radius < self.radius, "must be below the radius {}"
+        check_length("closure", "cavity_radius", self.cavity_radius, hollow, must, self.radius)
 
     @property
     def outline(self) -> Outline:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import GeometryError
 from meshes.geometry.outline import Outline, chain
 from meshes.shapes.shape import (
     NamedFace,
@@ -75,9 +75,11 @@ class ConicalLand:
                 f"seat relief_angle = {math.degrees(self.relief_angle):.6g} deg: must be at least 0 and below the "
                 f"angle of the land, {math.degrees(self.angle):.6g} deg"
             )
-        allowed = f"allowed is below {mm(2 * self.land_radius / math.cos(self.angle))}"
-        must = f"the land around r = {mm(self.land_radius)} would reach to the axis; {allowed}"
-        check_length("seat", "land_width", self.land_width, self.bore_radius > 0, must)
+        widest = 2 * self.land_radius / math.cos(self.angle)
+        must = "the land around r = {} would reach to the axis; allowed is below {}"
+        check_length(
+            "seat", "land_width", self.land_width, self.bore_radius > 0, must, self.land_radius, widest
+        )
         upper_edge = "the radius of the upper edge of the land,"
         check_exceeds("seat", "outer_radius", self.outer_radius, self.land_end, upper_edge)
 

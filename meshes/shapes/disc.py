@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meshes.errors import mm
 from meshes.geometry.outline import Outline
 from meshes.shapes.shape import NamedFace, check_length, check_positive, straight_part
 from meshes.shapes.toroidal_edge import ToroidalEdge
@@ -46,8 +45,8 @@ class Disc:
     def __post_init__(self) -> None:
         check_positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
         for key, whole in (("radius", self.radius), ("height", self.height)):
-            must = f"must be below the disc's {key} = {mm(whole)}"
-            check_length("closure", "edge_radius", self.edge_radius, self.edge_radius < whole, must)
+            must = f"must be below the disc's {key} = {{}}"
+            check_length("closure", "edge_radius", self.edge_radius, self.edge_radius < whole, must, whole)
 
     @classmethod
     def of(cls, radius: float, *, edge_radius: float | None = None, height: float | None = None) -> Disc:

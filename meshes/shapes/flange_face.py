@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from meshes.errors import mm
 from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, chain
 from meshes.shapes.conical_seat import ConicalSeat
@@ -197,8 +196,8 @@ class FlangeFace:
             "closure", "groove_mean_radius", r, bore_radius + half, "bore_radius + half groove_width,"
         )
         bottom = half - groove_depth / math.tan(angle)
-        must = f"the flanks meet at {mm(half * math.tan(angle))}; make the groove wider or less deep"
-        check_length("closure", "groove_depth", groove_depth, bottom > 0, must)
+        must = "the flanks meet at {}; make the groove wider or less deep"
+        check_length("closure", "groove_depth", groove_depth, bottom > 0, must, half * math.tan(angle))
         outer = 2 * r - bore_radius if outer_radius is None else outer_radius
         thick = 5 * groove_depth if height is None else height
         check_exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import mm
 from meshes.geometry.outline import Outline, chain
 from meshes.shapes.shape import (
     NamedFace,
@@ -70,13 +69,15 @@ class FlatLand:
         )
         _check_land(self.land_inner_radius, self.land_outer_radius)
         width = self.land_outer_radius - self.land_inner_radius
-        must = f"the roundings of both edges leave nothing flat of a land {mm(width)} wide; allowed is below half of it"
-        check_length("seat", "edge_radius", self.edge_radius, 2 * self.edge_radius < width, must)
-        must = f"must be at least edge_radius = {mm(self.edge_radius)}"
-        check_length("seat", "land_height", self.land_height, self.land_height >= self.edge_radius, must)
+        edge, must = self.edge_radius, "must be at least edge_radius = {}"
+        all_round = (
+            "the roundings of both edges leave nothing flat of a land {} wide; allowed is below half of it"
+        )
+        check_length("seat", "edge_radius", edge, 2 * edge < width, all_round, width)
+        check_length("seat", "land_height", self.land_height, self.land_height >= edge, must, edge)
         wide = math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius
-        must = f"must be at least land_outer_radius = {mm(self.land_outer_radius)}"
-        check_length("seat", "outer_radius", self.outer_radius, wide, must)
+        must = "must be at least land_outer_radius = {}"
+        check_length("seat", "outer_radius", self.outer_radius, wide, must, self.land_outer_radius)
 
     @classmethod
     def on(

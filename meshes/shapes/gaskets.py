@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from meshes.errors import mm
 from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, chain
 from meshes.shapes.shape import (
@@ -79,11 +78,8 @@ class SolidRing:
 
     def __post_init__(self) -> None:
         check_positive("gasket", mean_radius=self.mean_radius, section_radius=self.section_radius)
-        thin, must = (
-            self.section_radius < self.mean_radius,
-            f"must be below mean_radius = {mm(self.mean_radius)}",
-        )
-        check_length("gasket", "section_radius", self.section_radius, thin, must)
+        thin, must = self.section_radius < self.mean_radius, "must be below mean_radius = {}"
+        check_length("gasket", "section_radius", self.section_radius, thin, must, self.mean_radius)
 
     @property
     def outline(self) -> Outline:

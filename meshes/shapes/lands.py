@@ -211,9 +211,11 @@ class Lands:
         falls, rises = max(along - _WALL, -_STEEPEST), min(along + _WALL, _STEEPEST)
         before, after = (self.chamber_depth / math.sin(abs(wall - along)) for wall in (falls, rises))
         used = before * math.cos(falls - along) + after * math.cos(rises - along)
-        allowed = f"allowed is below {mm(self.chamber_depth * length / used)} between these lands"
-        must = f"the walls of the chamber meet before they are so deep; {allowed}"
-        check_length("seat", "chamber_depth", self.chamber_depth, used < length, must)
+        must = (
+            "the walls of the chamber meet before they are so deep; allowed is below {} between these lands"
+        )
+        depth = self.chamber_depth
+        check_length("seat", "chamber_depth", depth, used < length, must, depth * length / used)
         return [
             (end[0] + before * math.cos(falls), end[1] + before * math.sin(falls)),
             (start[0] - after * math.cos(rises), start[1] - after * math.sin(rises)),

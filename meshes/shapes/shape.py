@@ -13,15 +13,28 @@ from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, chain
 
 
-def check_length(body: str, key: str, value: float, right: bool, must: str) -> None:
+def check_length(body: str, key: str, value: float, right: bool, must: str, *others: float) -> None:
     """Refuse a dimension [m] that is not right, and say what it must be.
+
+    Parameters
+    ----------
+    body : str
+        "closure" or "seat".
+    key : str
+    value : float
+        [m]
+    right : bool
+    must : str
+        With {} in place of each other length.
+    *others : float
+        [m]
 
     Raises
     ------
     GeometryError
     """
     if not right:
-        raise GeometryError(f"{body} {key} = {mm(value)}: {must}")
+        raise GeometryError(f"{body} {key} = {mm(value)}: {must.format(*map(mm, others))}")
 
 
 def check_positive(body: str, **lengths: float) -> None:
@@ -69,7 +82,7 @@ def check_exceeds(body: str, key: str, value: float, limit: float, what: str) ->
     ------
     GeometryError
     """
-    check_length(body, key, value, math.isfinite(value) and value > limit, f"must exceed {what} {mm(limit)}")
+    check_length(body, key, value, math.isfinite(value) and value > limit, f"must exceed {what} {{}}", limit)
 
 
 def check_angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:
@@ -191,17 +204,14 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
     'seat'
     """
     start, end = face.segments[0].start, face.segments[-1].end
-    wide, must = (
-        outer_radius >= end[0] * (1 - 1e-12),
-        f"the face reaches to {mm(end[0])}, the housing must be wider",
-    )
-    check_length("seat", "outer_radius", outer_radius, wide, must)
+    wide, must = outer_radius >= end[0] * (1 - 1e-12), "the face reaches to {}, the housing must be wider"
+    check_length("seat", "outer_radius", outer_radius, wide, must, end[0])
     check_length("seat", "height", height, height > 0, "must be positive")
     bottom = start[1] - height
     top = end[1] - step
     lowest = min(top, *(p[1] for s in face.segments for p in (s.start, s.end)))
-    must = f"the face goes {mm(start[1] - lowest)} deep, the housing must be higher"
-    check_length("seat", "height", height, bottom < lowest, must)
+    must = "the face goes {} deep, the housing must be higher"
+    check_length("seat", "height", height, bottom < lowest, must, start[1] - lowest)
     around: list[tuple[Point, str]] = [
         (start, "seat_inner"),
         ((start[0], bottom), "seat_bottom"),

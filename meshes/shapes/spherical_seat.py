@@ -71,15 +71,12 @@ class SphericalSeat:
         check_positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
         check_not_negative("seat", "edge_radius", self.edge_radius)
         widest = self.radius + self.centre_offset
-        between, upright = (
-            f"bore_radius = {mm(self.bore_radius)} and {mm(widest)}",
-            f"radius {mm(self.radius)}",
-        )
-        must = f"must lie between {between}, where the hollow face of {upright} stands upright"
-        inside = max(self.bore_radius, self.centre_offset) < self.face_radius < widest
-        check_length("seat", "face_radius", self.face_radius, inside, must)
-        must = f"must not be below {mm(self.centre_offset)}, where the hollow face is lowest"
-        check_length("seat", "bore_radius", self.bore_radius, self.bore_radius >= self.centre_offset, must)
+        face, bore, lowest = self.face_radius, self.bore_radius, self.centre_offset
+        must = "must lie between bore_radius = {} and {}, where the hollow face of radius {} stands upright"
+        inside = max(bore, lowest) < face < widest
+        check_length("seat", "face_radius", face, inside, must, bore, widest, self.radius)
+        must = "must not be below {}, where the hollow face is lowest"
+        check_length("seat", "bore_radius", bore, bore >= lowest, must, lowest)
         check_exceeds("seat", "outer_radius", self.outer_radius, self.face_radius, "face_radius =")
 
     @classmethod

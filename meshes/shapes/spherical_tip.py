@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline, rounded
 from meshes.shapes.shape import (
@@ -54,8 +53,8 @@ class SphericalTip:
 
     def __post_init__(self) -> None:
         check_positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
-        must = f"must be below the radius of the tip, {mm(self.radius)}; a full half sphere is a ball"
-        check_length("closure", "stem_radius", self.stem_radius, self.stem_radius < self.radius, must)
+        stem, must = self.stem_radius, "must be below the radius of the tip, {}; a full half sphere is a ball"
+        check_length("closure", "stem_radius", stem, stem < self.radius, must, self.radius)
         check_not_negative("closure", "edge_radius", self.edge_radius)
 
     @classmethod

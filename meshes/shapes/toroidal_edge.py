@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline
 from meshes.shapes.shape import NamedFace, check_length, check_positive, plunger, round_part
@@ -51,8 +50,8 @@ class ToroidalEdge:
     def __post_init__(self) -> None:
         check_positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
         most = self.deepest_recess(self.centre_radius, self.radius)
-        must = f"must lie between 0 and {mm(most)}, where the rim reaches the axis or stands upright"
-        check_length("closure", "recess", self.recess, 0 <= self.recess <= most * (1 + 1e-12), must)
+        must = "must lie between 0 and {}, where the rim reaches the axis or stands upright"
+        check_length("closure", "recess", self.recess, 0 <= self.recess <= most * (1 + 1e-12), must, most)
 
     @classmethod
     def of(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline
 from meshes.shapes.shape import (
@@ -72,12 +71,12 @@ class ToroidalSeat:
             height=self.height,
         )
         lowest = self.centre_radius - self.radius
-        inside, last = lowest * (1 - 1e-12) <= self.bore_radius < self.centre_radius, mm(self.centre_radius)
-        first = f"{mm(max(lowest, 0))}, the innermost circle of the ring"
-        must = f"must lie between {first}, and its centre_radius = {last}"
-        check_length("seat", "bore_radius", self.bore_radius, inside, must)
-        must = f"must be at least 0 and below the radius of the ring, {mm(self.radius)}"
-        check_length("seat", "recess", self.recess, 0 <= self.recess < self.radius, must)
+        bore, centre = self.bore_radius, self.centre_radius
+        inside = lowest * (1 - 1e-12) <= bore < centre
+        must = "must lie between {}, the innermost circle of the ring, and its centre_radius = {}"
+        check_length("seat", "bore_radius", bore, inside, must, max(lowest, 0), centre)
+        must = "must be at least 0 and below the radius of the ring, {}"
+        check_length("seat", "recess", self.recess, 0 <= self.recess < self.radius, must, self.radius)
         check_exceeds("seat", "outer_radius", self.outer_radius, self.ring_end, "the outer end of the ring,")
 
     @classmethod
