@@ -11,7 +11,7 @@ from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.judgement import BoltState
 from fem_seal.bolts import Bolts
 from fem_seal.errors import ConvergenceError
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_solver import LoadSolver, solve_loads
 
 

@@ -41,8 +41,8 @@ from fem_seal.case.tables import Uncertainty, curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, SealError
 from fem_seal.sampling import sobol_points
-from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.evaluate import SILENT, evaluate
+from fem_seal.seal.findings import Bounds
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem

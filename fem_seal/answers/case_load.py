@@ -13,8 +13,18 @@ import numpy as np
 
 from fem_seal.answers.judgement import BoltState, LoadVerdict, PassProbability, Verdict, VerdictForce
 from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
-from fem_seal.seal.bounds import AGREE, EXACT, Bounds
-from fem_seal.seal.findings import DIRECT_SCATTER, NEARLY_SEALED, SEALED, VALID, Finding, Level, Validity
+from fem_seal.seal.findings import (
+    AGREE,
+    DIRECT_SCATTER,
+    EXACT,
+    NEARLY_SEALED,
+    SEALED,
+    VALID,
+    Bounds,
+    Finding,
+    Level,
+    Validity,
+)
 from fem_seal.seal.load_result import (
     DiscretisationError,
     LoadResult,

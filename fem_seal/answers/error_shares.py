@@ -25,8 +25,7 @@ from fem_seal.answers.measurements import (
 from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Validity
+from fem_seal.seal.findings import Bounds, Validity
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, VALID, Validity
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, VALID, Bounds, Validity
 
 
 class Verdict(StrEnum):

@@ -20,7 +20,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.roughness import PARTS, FinishTable, Roughness
 from fem_seal.files import own_tables
 from fem_seal.sampling import sobol_points
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from leak import PowerSpectrum, error_correlation, implied_filter
 from leak.surfaces.random import height_scatter
 

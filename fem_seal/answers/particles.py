@@ -15,7 +15,7 @@ from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from fem_seal.seal.leak_model import LeakModel
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from fem_seal.answers.verdict import VERDICT, missing_verdict
 from fem_seal.case.case import Case
 from fem_seal.case.tables import RELIEF
 from fem_seal.errors import LoadProblem, NoLoadLeftError, SealError
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from leak.standards import ClosureTest
 
 # What a verdict on a load needs.

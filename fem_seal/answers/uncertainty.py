@@ -28,7 +28,7 @@ from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.tables import Uncertainty, curves
 from fem_seal.errors import InputError
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from fem_seal.seal.scenarios import TEST_GAS
 
 if TYPE_CHECKING:

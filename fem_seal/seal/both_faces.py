@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import EXACT, Bounds, Finding, Level, Validity
 
 if TYPE_CHECKING:
     from leak import LeakResult

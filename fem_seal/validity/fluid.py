@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult

@@ -9,9 +9,8 @@ import numpy as np
 
 from fem_seal.form import FormError
 from fem_seal.loads import LARGEST_EXCESS
-from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.findings import Finding, Level
+from fem_seal.seal.findings import Bounds, Finding, Level
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit, share_text

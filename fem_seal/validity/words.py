@@ -8,8 +8,7 @@ from typing import Literal
 
 from fem_seal.errors import LoadProblem
 from fem_seal.files import own_tables
-from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.findings import Finding, Level
+from fem_seal.seal.findings import EXACT, Bounds, Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import Loads

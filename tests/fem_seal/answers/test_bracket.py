@@ -31,8 +31,7 @@ from fem_seal.output.report.words import (
     scenarios_in_words,
 )
 from fem_seal.output.tables import leak_rows, leakage_table
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem

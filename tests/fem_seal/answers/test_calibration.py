@@ -36,7 +36,7 @@ from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.sampling import sobol_points
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.units import leak_range_text
 from leak import error_correlation

@@ -16,7 +16,7 @@ from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_pr
 from fem_seal.output.answers.error_shares import error_sentence, measurement_table
 from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.files import write_summary
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from fem_seal.units import format_digits
 from leak.surfaces.random import height_scatter
 

@@ -20,7 +20,7 @@ from fem_seal.answers.leak_map import _with_return
 from fem_seal.cli import app as cli
 from fem_seal.cli.table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from leak.flow.leak_result import leakage_area_of_gas, leakage_area_of_liquid
 from leak.fluids.library import HEAT_CAPACITIES, heat_capacity_ratio
 

@@ -17,7 +17,7 @@ from fem_seal.answers.samples import UncertainScans
 from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
 from fem_seal.output.prose import prose
 from fem_seal.sampling import UncertainInput, sobol_points
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from leak import Reading
 from leak.surfaces.random import height_scatter
 from leak.theory.own_error import FlowError

@@ -22,8 +22,7 @@ from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.output.tables import leak_rows
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Finding, Level, Validity
 from fem_seal.units import LIQUID, format_digits, leak_range_text, range_text
 from leak import Reading, millilitres_per_minute
 

@@ -31,8 +31,7 @@ from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.tables import leak_table
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Finding, Level, Validity
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
 from fem_seal.units import leak_range_text, shown_in

@@ -25,8 +25,7 @@ from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.page import comparison_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
 from fem_seal.output.tables import COLUMNS, in_words
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import LIQUID, digits_at_limit, digits_within, format_digits, quantity_worth, round_digits

@@ -9,8 +9,7 @@ from sample_results import case, single_result
 
 import fem_seal
 import leak
-from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import NEARLY_SEALED, Finding, Level, Validity
+from fem_seal.seal.findings import NEARLY_SEALED, Bounds, Finding, Level, Validity
 
 ANYTHING = Validity.of([Finding("fluid opens", Level.DOUBTFUL, "opens", "opens", Bounds(0.0, math.inf))])
 

@@ -7,7 +7,7 @@ from sample_results import rough_result
 
 from fem_seal.answers.case_load import case_loads
 from fem_seal.answers.form import _Formed
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Bounds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS
