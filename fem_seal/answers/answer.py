@@ -1,18 +1,91 @@
-"""What all answers have in common: a name, when they apply, and how they are computed."""
+"""What all answers have in common: a name, when they apply, how they are computed, and that they may fail."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
-from fem_seal.seal.lazy import OptionalSteps
+from fem_seal.errors import OutputError, error_text
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver
 
 T = TypeVar("T")
+Load = TypeVar("Load", bound=LoadResult)
+Value = TypeVar("Value")
+Other = TypeVar("Other")
+
+
+@dataclass(frozen=True)
+class OptionalSteps:
+    """Steps each of which may fail without harm to the others.
+
+    Parameters
+    ----------
+    failures : list of str
+        A sentence for each step that failed.
+    """
+
+    failures: list[str] = field(default_factory=list)
+
+    def compute(self, what: str, calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+        """What `calculate` gives or, if it fails, `otherwise`.
+
+        Parameters
+        ----------
+        what : str
+            What the step gives, the subject of the sentence that names its failure.
+        calculate : callable
+        otherwise : object
+        """
+        with self.attempt(what):
+            return calculate()
+        return otherwise
+
+    def compute_values(self, load: Load, steps: Mapping[str, str], otherwise: object = None) -> Load:
+        """A load with some of its values worked out; those that fail are known to be `otherwise`.
+
+        Parameters
+        ----------
+        load : LoadResult
+        steps : mapping
+            Name of each value, with what it is for `compute`.
+        otherwise : object
+        """
+        for name, what in steps.items():
+            load = load.with_values(**{name: self.compute(what, partial(getattr, load, name), otherwise)})
+        return load
+
+    @contextmanager
+    def attempt(self, what: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
+        """Name what fails inside, and go on after it.
+
+        A file that cannot be written is not told here but to the caller, as is an interruption: the disc or the user
+        is the cause then, and both concern the other results as well.
+
+        Parameters
+        ----------
+        what : str
+            See `compute`.
+        but : type of exception
+            What stops everything.
+        """
+        try:
+            yield
+        except but:
+            raise
+        except Exception as error:
+            # any: what is shown beside a result must never be the reason for having none
+            self.name_failure(what, error)
+
+    def name_failure(self, what: str, error: Exception) -> None:
+        """Name a failure that was met elsewhere."""
+        self.failures.append(
+            f"{what}: could not be calculated ({error_text(error)}); all else is not affected"
+        )
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,11 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Request
+from fem_seal.answers.answer import Answer, OptionalSteps, Request
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
-from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.validity.words import sentence
 

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from fem_seal.answers.answer import OptionalSteps
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import derive_beside
 from fem_seal.answers.solution import SealSolution
@@ -32,7 +33,6 @@ from fem_seal.output.tables import (
     write_rows_csv,
 )
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
-from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.problem import exponential_law
 from fem_seal.units import attributes
 from fem_seal.version import __version__

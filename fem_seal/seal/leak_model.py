@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 import leak
-from fem_seal.seal.lazy import Lazy
 from leak.flow.conductivity import table_abscissa
 from leak.numerics.roots import root_between
 
@@ -504,7 +503,7 @@ def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class LeakModel(Lazy):
+class LeakModel:
     """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
 
     Parameters
@@ -513,14 +512,14 @@ class LeakModel(Lazy):
     flow : FlowModel or None
         None without a fluid.
     make : callable
-        Conductivity of a flow between surfaces.
+        Conductivity of a flow between surfaces; None where it could not be calculated.
     peaks : tuple of float
         Peak pressures of the contacts [Pa]: u_c of all takes little longer than of one.
     """
 
     surface: RoughContact
     flow: FlowModel | None
-    make: Callable[[FlowModel, RoughContact], Conductivity]
+    make: Callable[[FlowModel, RoughContact], Conductivity | None]
     peaks: tuple[float, ...] = ()
 
     @classmethod

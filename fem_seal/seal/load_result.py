@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 import numpy as np
 
 from fem_seal.profile import PressureProfile, join_lands, tightest_profile
-from fem_seal.seal.lazy import Lazy
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.units import DIGITS, digits_within
 
@@ -29,7 +28,7 @@ _NINE_OF_TEN = 0.05, 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class LoadResult(Lazy):
+class LoadResult:
     """One load of a case, which works out what it is asked for.
 
     Parameters
@@ -56,6 +55,21 @@ class LoadResult(Lazy):
     circumference: Circumference | None = None
     opening: OpeningMargin | None = None
     mesh_error: DiscretisationError | None = None
+
+    def with_values(self, **known: object) -> Self:
+        """A load that knows more; what was worked out already stays, which `dataclasses.replace` would forget.
+
+        Parameters
+        ----------
+        known : object
+            Values of optional fields, or of cached properties in place of what they would work out.
+        """
+        fields = vars(self).keys()
+        if strange := [name for name in known if not (hasattr(type(self), name) or name in fields)]:
+            raise AttributeError(f"{type(self).__name__} has no optional {', '.join(strange)}")
+        other = object.__new__(type(self))
+        vars(other).update(vars(self), **known)
+        return other
 
     @property
     def others(self) -> Mapping[str, LoadResult]:

@@ -17,6 +17,7 @@ from places import ROOT
 from sample_results import SMOOTH, STEEL, case, cone, rough_result, run_loads, single_result
 
 import fem_seal
+from fem_seal.answers.answer import OptionalSteps
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.opening import opening_margin
 from fem_seal.case.checks import refused_loads
@@ -27,7 +28,6 @@ from fem_seal.output import files
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import load_table, report
 from fem_seal.output.tables import LEAK_COLUMNS, leak_table
-from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult, digits_near_opening
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
