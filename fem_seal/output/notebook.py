@@ -5,8 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import MissingLoad
+from fem_seal.seal.load_result import MissingLoad, load_name
 from fem_seal.validity.words import why_missing
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import own_tables
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import fill_sentence, format_value, keep_units_together
 

@@ -14,8 +14,7 @@ from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
 from fem_seal.seal.findings import EXACT, ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, Validity
 from fem_seal.seal.leak_model import DIRECT_END
-from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import (
     DIGITS,

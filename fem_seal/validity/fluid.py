@@ -11,8 +11,7 @@ import numpy as np
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding
 from fem_seal.seal.leak_model import FlowModel
-from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.units import format_value, round_digits, share_text
 from fem_seal.validity.words import caution, fading, sentence
 

@@ -9,8 +9,7 @@ from typing import Literal
 from fem_seal.errors import LoadProblem
 from fem_seal.files import own_tables
 from fem_seal.seal.findings import EXACT, Bounds, Finding, Level
-from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.seal.problem import Loads
 from fem_seal.units import fill_sentence, short_quantity
 

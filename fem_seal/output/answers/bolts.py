@@ -12,7 +12,7 @@ from fem_seal.output.answers.target import target_text
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, columns_table, filled_column, worded_section
 from fem_seal.output.tables import SHOWN_COLUMNS
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.units import leak_range_text
 
 

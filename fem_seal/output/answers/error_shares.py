@@ -11,8 +11,7 @@ from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, l
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import fill_sentence, phrase, prose
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
-from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import highest_load
+from fem_seal.seal.load_result import highest_load, load_name
 from fem_seal.units import format_digits, percent
 
 # Sources of error are named from this factor of the interval on; their largest number, and smallest share.

@@ -16,7 +16,7 @@ from fem_seal.output.prose import in_scenario, phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, by_scenario, worded_section, worded_table
 from fem_seal.output.tables import AROUND_COLUMNS
 from fem_seal.seal.findings import Bounds
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import BESIDE
 from fem_seal.units import leak_range_text, number, quantity
 

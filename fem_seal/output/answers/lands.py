@@ -8,7 +8,7 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.both_faces import share_of
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.units import fixed_unit
 
 # What the contacts of two different flange faces are called in the report.

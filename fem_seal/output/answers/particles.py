@@ -16,7 +16,7 @@ from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import PARTICLE_COLUMNS
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.units import quantity, unit_for
 
 _PER_ML = 1e-6

@@ -13,7 +13,7 @@ from fem_seal.case.material_table import UNNAMED
 from fem_seal.case.notation import partner
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.units import format_digits, range_text, trim_zeros, unit_for
 
 # So many are told, and none that changes the leak by less.

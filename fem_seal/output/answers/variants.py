@@ -13,7 +13,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, by_scenario, worded_section, worded_table
 from fem_seal.seal.findings import EXACT, Bounds
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import leak_range_text
 

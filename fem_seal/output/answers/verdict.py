@@ -23,7 +23,7 @@ from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
 from leak import millilitres_per_minute
 

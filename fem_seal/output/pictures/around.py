@@ -15,7 +15,7 @@ from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import GREY, INK, ORANGE
 from fem_seal.output.pictures.contact import SCALE_ROOM, even_levels, scale_of_colours
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.load_result import different, load_axis, load_name
 from fem_seal.units import unit_for
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.tables import in_words
-from fem_seal.seal.load_names import LoadAxis, different, load_axis, load_name
+from fem_seal.seal.load_result import LoadAxis, different, load_axis, load_name
 from fem_seal.units import Unit, fixed_unit, format_quantity, quantity, unit_for
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def all_profiles(axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], le
     axes : Axes
     loads : sequence of CaseLoad
     order : sequence of int
-        Numbers of those that are drawn, from `fem_seal.seal.load_names.different`.
+        Numbers of those that are drawn, from `fem_seal.seal.load_result.different`.
     length : Unit
         Of x.
     """

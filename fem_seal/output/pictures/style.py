@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.load_names import LoadAxis
+    from fem_seal.seal.load_result import LoadAxis
 
 WIDTH = 10.4
 # Points to an inch.

@@ -27,7 +27,7 @@ from fem_seal.files import own_tables, write_bytes
 from fem_seal.output.pictures.contact import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
-from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import load_name
 from fem_seal.units import format_quantity, quantity, unit_for
 from meshes.own_process import OwnProcessError, run_in_subprocess
 

@@ -22,8 +22,7 @@ from fem_seal.output.case_words import earlier_load, state_in_words
 from fem_seal.output.prose import phrase
 from fem_seal.output.tables import COLUMNS, in_words
 from fem_seal.seal.findings import Bounds, Level, Validity
-from fem_seal.seal.load_names import load_name, load_values
-from fem_seal.seal.load_result import highest_load
+from fem_seal.seal.load_result import highest_load, load_name, load_values
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import (
     LIQUID,

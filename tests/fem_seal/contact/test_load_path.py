@@ -28,7 +28,7 @@ from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.tables import write_profile_csv
-from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.load_result import different, load_axis, load_name
 from fem_seal.seal.problem import SealProblem, larger_housing
 from leak import LeakResult, Reading
 

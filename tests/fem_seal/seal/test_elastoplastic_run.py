@@ -35,7 +35,7 @@ from fem_seal.output.report import words
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.load_result import different, load_axis, load_name
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import leak_range_text
 
