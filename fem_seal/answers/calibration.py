@@ -29,8 +29,7 @@ from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.samples import AnyInput, drawn_values, uncertain_inputs
-from fem_seal.answers.solution import SealSolution
-from fem_seal.answers.two_flanges import answered
+from fem_seal.answers.solution import SealSolution, answered
 from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import VERDICT, Verdicts, seal_verdict, with_verdicts
 from fem_seal.arrays import FloatArray, IntArray

@@ -13,10 +13,10 @@ from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, OptionalSteps, Request
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of, solved_seal
+from fem_seal.answers.closed_forms import foreseen
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
-from fem_seal.answers.foreseen import foreseen
 from fem_seal.answers.form import FORM
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
@@ -24,10 +24,9 @@ from fem_seal.answers.pass_probability import PASS_PROBABILITY
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.sensitivities import SENSITIVITIES
-from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.solution import SealSolution, answered
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
-from fem_seal.answers.two_flanges import answered
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE

@@ -1,18 +1,24 @@
-"""A solved seal with the answers to all that is asked of it."""
+"""A solved seal with the answers to all that is asked of it.
+
+What follows from one contact is asked of each of two different flanges by itself.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY, Comparison
+from fem_seal.answers.answer import Answer, OptionalSteps, Request
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
+from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import LoadVerdict, SealVerdict, Verdict
+from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
@@ -20,6 +26,13 @@ from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.seal.load_result import DiscretisationError
+from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.validity.words import sentence
+
+Seal = TypeVar("Seal", bound=SolvedSeal)
+
+# Asked of one contact, before the whole seal; of the two flanges the answer of the upper one is kept.
+_OF_CONTACT = {answer.name for answer in (ACCURACY, OPENING, OWN_CONTACTS, INTERFACE_VARIANTS, FINDINGS)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,3 +92,43 @@ class SealSolution(SolvedSeal):
     def margin(self) -> float | None:
         """Allowed over calculated leak rate of the load that decides; None without a requirement."""
         return None if self.judgement is None else self.judgement.margin
+
+
+def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
+    """A solved seal with what answers know of its loads; they themselves are kept by the request.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+    request : Request
+    answers : sequence of Answer
+        In their order.
+    """
+    of_contact = [answer for answer in answers if answer.name in _OF_CONTACT]
+    upper, *others = seal.faces
+    if not (of_contact and others):
+        return _answered(seal, request, answers)
+    (lower,) = others
+    below = replace(
+        request,
+        solver=LoadSolver(lower.problem, lower.model),
+        steps=OptionalSteps(),
+        answers={},
+        samples={},
+        remarks=[],
+    )
+    seal = seal.with_faces(_answered(upper, request, of_contact), _answered(lower, below, of_contact))
+    known, texts = ([one.text for one in FINDINGS.of(asked.answers).cautions] for asked in (request, below))
+    said = [*(text for text in texts if text not in known), *below.steps.failures]
+    request.remarks.extend(sentence("lower_flange", said=text) for text in said)
+    return _answered(seal, request, [answer for answer in answers if answer.name not in _OF_CONTACT])
+
+
+def _answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
+    for answer in answers:
+        if not answer.is_asked_of(seal, request):
+            request.answers[answer.name] = answer.otherwise
+            continue
+        request.answers[answer.name] = found = answer.found(seal, request)
+        seal = seal.with_loads([answer.of_load(load, n, found) for n, load in enumerate(seal.loads)])
+    return seal

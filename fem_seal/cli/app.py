@@ -200,11 +200,12 @@ def check(
     from fem_seal.answers.closed_forms import (
         closed_form_limits,
         derive,
+        foreseen,
         nearly_open,
+        run_seconds,
         strain_limit,
         without_stop,
     )
-    from fem_seal.answers.foreseen import foreseen, run_seconds
     from fem_seal.output.answers.verdict import requirement_lines
     from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
     from fem_seal.seal.heating import warmed

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.answer import Request
 from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.opening import OPENING
-from fem_seal.answers.solution import SealSolution
-from fem_seal.answers.two_flanges import answered
+from fem_seal.answers.solution import SealSolution, answered
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.explore.screen import Screen, screen_of, shown_load
 from fem_seal.seal.cost import load_seconds

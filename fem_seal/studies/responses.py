@@ -25,8 +25,8 @@ from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
+from fem_seal.answers.solution import answered
 from fem_seal.answers.target import TARGET
-from fem_seal.answers.two_flanges import answered
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, load_verdict

@@ -10,7 +10,7 @@ from places import EXAMPLES
 from sample_results import ball, cone, smooth_case
 
 import fem_seal
-from fem_seal.answers.foreseen import borne, foreseen, run_seconds
+from fem_seal.answers.closed_forms import borne, foreseen, run_seconds
 from fem_seal.case.checks import MOST_TURNED, refused_loads, turning
 from fem_seal.cli.app import main
 from fem_seal.contact.solution import yielding_of
