@@ -44,9 +44,8 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Opening, ...]:
         return load.applied_force, id(load.contact) if solver.yields else None
 
     with request.clock.step("questions", "blow-off and force for the target leak rate"):
-        asked = penetrates or of.pressure_side == "inner"
         # elastic bodies are the same after every load
-        different = {key(load): load for load in reversed(seal.loads)} if asked else {}
+        different = {key(load): load for load in reversed(seal.loads)} if of.lifted else {}
         opens = {
             one: request.steps.compute(
                 f"pressure that opens the seal under {load.applied_force:.6g} N",
@@ -72,6 +71,7 @@ OPENING = Answer[tuple[Opening, ...]](
     _compute,
     (),
     of_load=lambda load, number, found: load.with_values(**vars(found[number])) if found else load,
+    needs=("problem.loads.may_open",),
 )
 
 

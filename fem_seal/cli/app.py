@@ -441,7 +441,8 @@ def _create_folder(folder: Path) -> Path:
 def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
     from fem_seal.seal.problem import SealProblem
-    from fem_seal.validity.materials import temperature_cautions
+    from fem_seal.validity.fluid import film_cautions
+    from fem_seal.validity.materials import material_cautions
 
     remarks = []
     if case.roughness is None:
@@ -456,7 +457,7 @@ def _remarks(case: Case) -> list[str]:
     problem = SealProblem.of(case)
     remarks.extend(text for _, _, text in problem.origin.face_remarks)
     remarks.extend(creep_remarks(problem.labelled_materials))
-    remarks.extend(one.text for one in temperature_cautions(problem))
+    remarks.extend(one.text for one in (*film_cautions(problem), *material_cautions(problem)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 

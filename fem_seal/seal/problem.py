@@ -123,6 +123,16 @@ class Loads:
     tightened: tuple[float, ...] = ()
     solved: bool = False
 
+    @property
+    def lifted(self) -> bool:
+        """Whether a fluid pressure may open the seal: that in the bore, or one that acts on all that it wets."""
+        return self.closing == "penetration" or self.pressure_side == "inner"
+
+    @property
+    def may_open(self) -> bool:
+        """Whether fluid pressure or applied force may open the seal."""
+        return self.lifted or any(force < 0.0 for _, force in self.points)
+
     @classmethod
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""

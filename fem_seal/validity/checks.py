@@ -28,9 +28,9 @@ from fem_seal.units import (
     share_text,
     short_quantity,
 )
-from fem_seal.validity.fluid import fluid_cautions, molecule_cautions, opening_factor
+from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
-from fem_seal.validity.materials import temperature_cautions
+from fem_seal.validity.materials import material_cautions
 from fem_seal.validity.words import caution, fading, sentence
 from leak import ConductivityTable
 
@@ -159,9 +159,9 @@ def load_cautions(
 
 
 def _temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
-    """Those of `fem_seal.validity.materials`, where a temperature is given."""
-    if problem.at_rest.temperatures or problem.at_rest.fluid_temperature is not None:
-        yield from temperature_cautions(problem, bodies=bodies)
+    yield from film_cautions(problem)
+    if problem.at_rest.temperatures:
+        yield from material_cautions(problem, bodies=bodies)
 
 
 def _interface_cautions(

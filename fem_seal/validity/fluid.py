@@ -1,18 +1,22 @@
-"""Checks of the fluid: high pressure, choking, inertia, gaps as narrow as molecules."""
+"""Checks of the fluid: its temperature, high pressure, choking, inertia, gaps as narrow as molecules."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.materials import ROOM_TEMPERATURE, in_degrees
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import LoadResult, load_name
+from fem_seal.seal.problem import SealProblem
 from fem_seal.units import format_value, round_digits, share_text
+from fem_seal.validity.materials import FAR, NEAR
 from fem_seal.validity.words import caution, fading, sentence
 
 if TYPE_CHECKING:
@@ -55,6 +59,27 @@ def opening_factor(share: float) -> float:
     """
     beyond = max(2.0 * share - 1.0, 0.0)
     return math.inf if beyond >= 1.0 else 1.0 + 1.7 * share / (1.0 - beyond) ** 2
+
+
+def film_cautions(problem: SealProblem) -> Iterator[Finding]:
+    """A fluid whose given temperature is not that of the faces, which a film of micrometres takes at once.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    given = problem.at_rest.fluid_temperature
+    if given is None:
+        return
+    name, film, near = "film_temperature", ROOM_TEMPERATURE, NEAR
+    if problem.at_rest.temperatures:
+        film = math.fsum(problem.at_rest.temperatures.values()) / len(problem.at_rest.temperatures)
+    else:
+        # oil of 50 degC is usual in a valve whose metals are those of a table at 20 degC
+        name, near = "body_temperature", 2 * NEAR
+    if abs(given - film) > near:
+        found = caution(name, given=in_degrees(given), film=in_degrees(film))
+        yield found if abs(given - film) >= FAR else replace(found, level=Level.VALID)
 
 
 def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:

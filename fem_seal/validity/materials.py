@@ -1,4 +1,4 @@
-"""Checks of the properties of materials and fluid at the temperature where they act."""
+"""Checks of the properties of materials at the temperature where they act."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fem_seal.validity.words import caution
 
 # Distance of a temperature from the known range of a number above which it is reported, and above which the results
 # are doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.
-_NEAR, _FAR = 25.0, 100.0
+NEAR, FAR = 25.0, 100.0
 # Key of a material -> its name, the unit of its table, and the factor to that unit.
 _WORDS = {
     "youngs_modulus": ("Young's modulus", " GPa", 1e-9),
@@ -29,8 +29,8 @@ _OF_SURFACE = ("youngs_modulus", "hardness")
 _TABLES = {"flange": "closure", "upper flange": "closure", "lower flange": "seat", "gasket": "gasket"}
 
 
-def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
-    """Cautions about numbers of materials and fluid that belong to another temperature than that of body and film.
+def material_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
+    """Cautions about numbers of materials that belong to another temperature than that of the body.
 
     A small difference of temperature leaves the result valid.
 
@@ -40,7 +40,6 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
     bodies : bool, optional
         Whether the bodies themselves are solved; otherwise only the contact of the rough surfaces is checked.
     """
-    yield from _film_cautions(problem)
     for name, temperature in problem.at_rest.temperatures.items():
         material, label, plain = problem.materials[name], problem.contact.label_of(name), []
         named: dict[str, Any] = {"name": label, "table": _TABLES.get(label, name)}
@@ -54,31 +53,15 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
                 plain.append(key)
                 continue
             at = max(_used_temperatures(problem, key, temperature), key=table.beyond)
-            if table.nearest and table.beyond(at) > _NEAR:
+            if table.nearest and table.beyond(at) > NEAR:
                 yield _caution_beyond_table(named, material, key, at)
         away = abs(temperature - ROOM_TEMPERATURE)
-        if plain and away > _NEAR:
+        if plain and away > NEAR:
             yield _plain_caution(named, material, plain, temperature)
         curves = material.hardening_over_temperature
-        if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > _NEAR:
+        if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > NEAR:
             found = caution("library_curve", **named, material=material.name, at=in_degrees(temperature))
-            yield found if away >= _FAR else replace(found, level=Level.VALID)
-
-
-def _film_cautions(problem: SealProblem) -> Iterator[Finding]:
-    """A fluid whose given temperature is not that of the faces, which a film of micrometres takes at once."""
-    given = problem.at_rest.fluid_temperature
-    if given is None:
-        return
-    name, film, near = "film_temperature", ROOM_TEMPERATURE, _NEAR
-    if problem.at_rest.temperatures:
-        film = math.fsum(problem.at_rest.temperatures.values()) / len(problem.at_rest.temperatures)
-    else:
-        # oil of 50 degC is usual in a valve whose metals are those of a table at 20 degC
-        name, near = "body_temperature", 2 * _NEAR
-    if abs(given - film) > near:
-        found = caution(name, given=in_degrees(given), film=in_degrees(film))
-        yield found if abs(given - film) >= _FAR else replace(found, level=Level.VALID)
+            yield found if away >= FAR else replace(found, level=Level.VALID)
 
 
 def _used_keys(problem: SealProblem, material: Material) -> Iterator[str]:
@@ -133,7 +116,7 @@ def _caution_beyond_table(named: Mapping[str, Any], material: Material, key: str
         at=in_degrees(at),
         example=_table(key, end, at, _with_unit(key, value)),
     )
-    return found if table.beyond(at) >= _FAR else replace(found, level=Level.VALID)
+    return found if table.beyond(at) >= FAR else replace(found, level=Level.VALID)
 
 
 def _plain_caution(

@@ -19,7 +19,7 @@ from fem_seal.loads import line_load, plastic_half_width
 from fem_seal.output.case_words import temperature_rows
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
-from fem_seal.validity.materials import temperature_cautions
+from fem_seal.validity.materials import material_cautions
 
 SOFT = {
     "name": "copper Cu-ETP R220",
@@ -55,7 +55,7 @@ def test_a_hot_gasket_is_named_by_its_own_words_and_keys():
         *rows
     }
     problem = SealProblem.of(case)
-    told = [one.text for one in temperature_cautions(problem)]
+    told = [one.text for one in material_cautions(problem)]
     assert any(one.startswith("gasket.material.hardness: ") for one in told)
     assert not any("seat" in one for one in told)
 

@@ -29,7 +29,7 @@ from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, mat
 from fem_seal.seal.findings import Level
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import parse_quantity
-from fem_seal.validity.materials import temperature_cautions
+from fem_seal.validity.materials import material_cautions
 from leak import FLUIDS, GASES
 
 TASK = SHARED / "cases" / "tasks" / "hydrogen_77_K.toml"
@@ -263,7 +263,7 @@ def test_a_curve_of_the_library_is_that_of_room_temperature_and_says_so(celsius,
             load={"fluid_pressure": "20 bar"},
             temperature={"closure": f"{celsius} degC", "seat": f"{celsius} degC"},
         )
-        return [one for one in temperature_cautions(SealProblem.of(seal)) if "curve" in one.reason]
+        return [one for one in material_cautions(SealProblem.of(seal)) if "curve" in one.reason]
 
     assert [one.level for one in told("library")] == ([] if level is None else [level])
     assert all(f"used for {celsius} degC" in one.text for one in told("library"))

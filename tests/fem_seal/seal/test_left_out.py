@@ -228,7 +228,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
 def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, monkeypatch, tmp_path):
     failing = Mock(side_effect=ZeroDivisionError("float division by zero"))
     monkeypatch.setattr(f"fem_seal.answers.{broken}", failing)
-    result = fem_seal.run(case(load={"fluid_pressure": "2 bar"}))
+    result = fem_seal.run(seal("2 bar"))
     (said, *_) = [text for text in result.warnings if "could not be calculated" in text]
     assert said.startswith(
         f"{named}: could not be calculated (unexpected ZeroDivisionError: float division by"

@@ -41,7 +41,8 @@ from fem_seal.seal.heating import Heating
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed, sizing
 from fem_seal.studies.responses import evaluate_design
-from fem_seal.validity.materials import temperature_cautions
+from fem_seal.validity.fluid import film_cautions
+from fem_seal.validity.materials import material_cautions
 
 STEEL = Material("steel", 210e9, 0.3, thermal_expansion=11e-6)
 STEADY = {
@@ -422,7 +423,7 @@ def hot(
 def said_of(one: fem_seal.Case) -> dict[str, tuple[Level, str]]:
     return {
         f"{caution.kind}, {caution.reason.split(':')[0]}": (caution.level, caution.text)
-        for caution in temperature_cautions(SealProblem.of(one))
+        for caution in material_cautions(SealProblem.of(one))
     }
 
 
@@ -438,7 +439,7 @@ def said_of(one: fem_seal.Case) -> dict[str, tuple[Level, str]]:
 def test_a_fluid_keeps_a_temperature_of_its_own_and_the_result_says_so(fluid, level) -> None:
     """A template has 20 degC: with [temperature] added, the leak rate of the hot valve was that of cold gas."""
     given = hot(temperature="200 degC", fluid={"name": "nitrogen", **fluid})
-    found = [one for one in temperature_cautions(SealProblem.of(given)) if one.kind == "film temperature"]
+    found = [one for one in film_cautions(SealProblem.of(given)) if one.kind == "film temperature"]
     assert [one.level for one in found] == ([] if level is None else [level])
     assert all(fluid["temperature"] in one.text and "200 degC" in one.text for one in found)
 
@@ -448,7 +449,7 @@ def test_a_fluid_keeps_a_temperature_of_its_own_and_the_result_says_so(fluid, le
 )
 def test_a_hot_fluid_between_bodies_without_a_temperature_is_told(given, level) -> None:
     cold = case(fluid={"name": "nitrogen", "temperature": given}, load={"fluid_pressure": "10 bar"})
-    found = [one for one in temperature_cautions(SealProblem.of(cold)) if one.kind == "film temperature"]
+    found = [one for one in film_cautions(SealProblem.of(cold)) if one.kind == "film temperature"]
     assert [one.level for one in found] == ([] if level is None else [level])
     assert all(given in one.text and "20 degC" in one.text and "[temperature]" in one.text for one in found)
 
