@@ -33,6 +33,7 @@ from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
 from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.findings import not_calculated
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import MissingLoad
@@ -40,7 +41,6 @@ from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import not_calculated
 from leak import LeakError
 
 # All that is asked of a solved seal, each after those whose answers it uses.

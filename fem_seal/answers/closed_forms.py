@@ -32,9 +32,9 @@ from fem_seal.loads import (
 )
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
+from fem_seal.seal.findings import not_calculated, sentence
 from fem_seal.seal.problem import SealFlow, SealProblem, exponential_law, sizing
 from fem_seal.units import fixed_quantity, fixed_unit, short_quantity
-from fem_seal.validity.words import not_calculated, sentence
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05

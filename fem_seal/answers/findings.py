@@ -11,12 +11,11 @@ from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.leakage_class import NominalSize, nominal_size
 from fem_seal.answers.target import TARGET
-from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, worst_first
+from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, caution, worst_first
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import format_quantity, quantity
 from fem_seal.validity.checks import contact_cautions, load_validity
-from fem_seal.validity.words import caution
 from leak.standards import nominal_size_of_bore
 
 # Bore over nominal size of valves, needles and reduced bores included.

@@ -16,10 +16,9 @@ from fem_seal.case.checks import check_formed
 from fem_seal.case.tables import curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.seal.findings import Level, Validity
+from fem_seal.seal.findings import Level, Validity, caution
 from fem_seal.seal.load_solver import Progress
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import caution
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
 _PRESSURES, _LEAST, _RANGE = 8, 3, 20.0

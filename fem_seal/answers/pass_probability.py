@@ -21,8 +21,8 @@ from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.tables import Uncertainty
 from fem_seal.sampling import sobol_points
+from fem_seal.seal.findings import sentence
 from fem_seal.seal.kept import Kept
-from fem_seal.validity.words import sentence
 from leak import FlowError
 
 # Samples that are counted; a polynomial through a few runs gives them.

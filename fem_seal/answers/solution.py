@@ -25,9 +25,9 @@ from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT
+from fem_seal.seal.findings import sentence
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.validity.words import sentence
 
 Seal = TypeVar("Seal", bound=SolvedSeal)
 

@@ -12,12 +12,11 @@ from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.loads import LARGEST_TURNING, contact_force
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Finding, Level, Validity, sentence
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
 from fem_seal.seal.scenarios import SCENARIOS, problem_in
 from fem_seal.units import format_quantity, quantity, short_quantity
 from fem_seal.validity.checks import target_cautions, target_validity
-from fem_seal.validity.words import sentence
 
 # First step from where the fluid closes the seal alone.
 _STEP = math.log(4.0)

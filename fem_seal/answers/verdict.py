@@ -25,13 +25,13 @@ from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
 from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.findings import sentence
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import short_quantity
 from fem_seal.validity.checks import load_validity
-from fem_seal.validity.words import sentence
 
 
 def load_verdict(case: Case, load: CaseLoad, *, sampled: bool = True) -> LoadVerdict | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
+from fem_seal.seal.findings import why_missing
 from fem_seal.seal.load_result import MissingLoad, load_name
-from fem_seal.validity.words import why_missing
 
 if TYPE_CHECKING:
     import pandas as pd

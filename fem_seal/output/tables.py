@@ -23,11 +23,17 @@ import numpy as np
 from fem_seal.answers.case_load import AnyLoad, CaseLoad
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.files import own_tables, write_bytes
-from fem_seal.seal.findings import NOT_CALCULATED, VALID, VALIDITY_COLUMNS, Validity, validity_entries
+from fem_seal.seal.findings import (
+    NOT_CALCULATED,
+    VALID,
+    VALIDITY_COLUMNS,
+    Validity,
+    validity_entries,
+    why_missing,
+)
 from fem_seal.seal.load_result import MissingLoad, in_order
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
-from fem_seal.validity.words import why_missing
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:

@@ -12,7 +12,17 @@ import numpy as np
 from fem_seal.contact.solution import PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
-from fem_seal.seal.findings import EXACT, ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, Validity
+from fem_seal.seal.findings import (
+    EXACT,
+    ORDERS_OF_MAGNITUDE,
+    Bounds,
+    Finding,
+    Level,
+    Validity,
+    caution,
+    fading,
+    sentence,
+)
 from fem_seal.seal.leak_model import DIRECT_END
 from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.seal.problem import SealProblem
@@ -31,7 +41,6 @@ from fem_seal.units import (
 from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import material_cautions
-from fem_seal.validity.words import caution, fading, sentence
 from leak import ConductivityTable
 
 if TYPE_CHECKING:

@@ -11,13 +11,12 @@ import numpy as np
 
 from fem_seal.materials import ROOM_TEMPERATURE, in_degrees
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, caution, fading, sentence
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import format_value, round_digits, share_text
 from fem_seal.validity.materials import FAR, NEAR
-from fem_seal.validity.words import caution, fading, sentence
 
 if TYPE_CHECKING:
     from leak import Gas, GasInertia, LeakResult

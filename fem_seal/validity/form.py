@@ -10,12 +10,11 @@ import numpy as np
 from fem_seal.form import FormError
 from fem_seal.loads import LARGEST_EXCESS
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.findings import Bounds, Finding, Level
+from fem_seal.seal.findings import Bounds, Finding, Level, caution, fading
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit, share_text
 from fem_seal.validity.fluid import opening_factor
-from fem_seal.validity.words import caution, fading
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
 # line load, and beyond which it is void; see docs/theory/form.md.

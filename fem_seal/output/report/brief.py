@@ -25,10 +25,9 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.output.tables import MOST_COLUMNS, SHOWN_COLUMNS
-from fem_seal.seal.findings import YIELD_STRESS, Level
+from fem_seal.seal.findings import YIELD_STRESS, Level, few_words, sentence
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
 from fem_seal.units import leak_range_text, shared_flow_unit
-from fem_seal.validity.words import few_words, sentence
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution

@@ -41,11 +41,10 @@ from fem_seal.output.report import brief, words
 from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import SHOWN_COLUMNS, own_columns
-from fem_seal.seal.findings import NOT_CALCULATED, Level
+from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
 from fem_seal.seal.load_result import MissingLoad, in_order, load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.units import format_quantity, keep_units_together, percent, quantity_worth, strain_text
-from fem_seal.validity.words import why_missing
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:

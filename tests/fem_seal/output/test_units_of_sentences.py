@@ -13,8 +13,8 @@ from fem_seal.cli.app import main
 from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.output.prose import prose
+from fem_seal.seal.findings import sentence
 from fem_seal.units import shared_flow_unit, shown_in
-from fem_seal.validity.words import sentence
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 # a throughput in SI stands beside that of every system

@@ -28,11 +28,11 @@ from fem_seal.output import files
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import load_table, report
 from fem_seal.output.tables import LEAK_COLUMNS, leak_table
+from fem_seal.seal.findings import not_calculated
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import LoadResult, digits_near_opening
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
 from fem_seal.seal.problem import Loads
-from fem_seal.validity.words import not_calculated
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().initial_contact_radius ** 2 * 20e5
