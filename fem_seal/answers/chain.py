@@ -173,7 +173,7 @@ def _answered(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]
 def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
-        case = warmed(case)
+        case = warmed(case) if case.conducts_heat else case
         whole = SealProblem.of(case)
         _ = whole.law  # made once for each surface, and here, where it is timed
     for text in foreseen(whole) if told else ():

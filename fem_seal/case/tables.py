@@ -604,6 +604,11 @@ class CaseTables(Table):
         return changed, wrong
 
     @property
+    def conducts_heat(self) -> bool:
+        """Whether temperatures are calculated, from what is around the bodies."""
+        return self.temperature is not None and bool(self.temperature.faces)
+
+    @property
     def expands(self) -> bool:
         """Whether closure and seat grow by different strains."""
         heat = self.temperature

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
@@ -23,10 +23,9 @@ from fem_seal.materials import Material, effective_modulus
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.bodies.constrained_body import ConstrainedBody, Heat, LoadName
+    from fem_seal.bodies.constrained_body import ConstrainedBody, Heat
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.conduction import Surroundings, TemperatureField
-    from fem_seal.contact.model import BodyLoads, ContactModel
     from meshes import ContactGeometry, SealMesh, Sizing
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
@@ -107,69 +106,6 @@ class Heating:
         return (base - around) * float(seat.mesh.p[0].max())
 
 
-@dataclass(frozen=True)
-class AtRest:
-    """What acts on the bodies of a seal without any load: a press fit, and heat.
-
-    Parameters
-    ----------
-    interference : float
-        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
-    expansion : float
-        Thermal strain of the closure beyond that of the seat [-].
-    temperatures : mapping
-        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
-    fluid_temperature : float or None
-        At which the library's properties of the fluid are taken [K]; None where the fluid is the case's own.
-    heating : Heating or None
-        What warms the seal, where its temperature is calculated.
-    """
-
-    interference: float = 0.0
-    expansion: float = 0.0
-    temperatures: Mapping[str, float] = field(default_factory=dict)
-    fluid_temperature: float | None = None
-    heating: Heating | None = None
-
-    @classmethod
-    def of(cls, case: CaseTables) -> AtRest:
-        """What acts on the bodies of a case, which is `warmed`."""
-        of_library = case.fluid is not None and case.fluid.library_entry is not None
-        return cls(
-            case.wall_motion,
-            case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
-            case.body_temperatures,
-            case.fluid.temperature if case.fluid is not None and of_library else None,
-            heating(case),
-        )
-
-    def on(self, model: ContactModel) -> BodyLoads:
-        """The loads of condensed bodies.
-
-        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
-        less than what is neglected elsewhere.
-
-        Parameters
-        ----------
-        model : ContactModel
-            Condensed with these temperatures.
-        """
-        from fem_seal.contact.model import BodyLoads
-
-        if self.heating is None:
-            expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
-            fit = BodyLoads.press_fit(self.interference)
-            return BodyLoads(expansion, fit.seat, temperature=self.temperatures)
-        seat = model.seat.held
-        wall = self.interference + self.heating.wall_motion(seat)
-        nodes = {body.held.name: body.held.temperature for body in (model.closure, model.seat)}
-        return BodyLoads(
-            {"heat": 1.0},
-            {"heat": 1.0, **BodyLoads.press_fit(wall if len(seat.wall) else 0.0).seat},
-            temperature={name: warm for name, warm in nodes.items() if warm is not None},
-        )
-
-
 @contextmanager
 def _at_temperature() -> Iterator[None]:
     """Name the temperatures as the key of what is wrong with the input."""
@@ -192,16 +128,15 @@ def _check_curves(name: str, material: Material, temperature: FloatArray) -> Non
         ) from None
 
 
-def heating(case: CaseTables) -> Heating | None:
-    """What warms the seal of a case whose temperatures are calculated; None for any other.
+def heating(case: CaseTables) -> Heating:
+    """What warms the seal of a case whose temperatures are calculated.
 
     Parameters
     ----------
     case : CaseTables
     """
     heat = case.temperature
-    if heat is None or not heat.faces:
-        return None
+    assert heat is not None  # with faces
     from fem_seal.contact.conduction import Face, Surroundings
 
     faces = {name: Face(face.temperature, face.heat_transfer) for name, face in heat.faces.items()}
@@ -245,15 +180,14 @@ def warmed(case: AnyCase) -> AnyCase:
         If a number is not known at a temperature that is reached.
     ConvergenceError
     """
-    found = heating(case)
-    if found is None or case.body_temperatures:
+    if not case.conducts_heat or case.body_temperatures:
         return case
     materials = {"closure": case.closure.material, "seat": case.lower.material}
     modulus = effective_modulus(materials["closure"], materials["seat"])
     sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus)
     try:
         with _at_temperature():
-            faces = found.field(_mesh(case.contact, sizing), materials).faces
+            faces = heating(case).field(_mesh(case.contact, sizing), materials).faces
         return case.warmed(faces["closure"], faces["seat"])
     except InputError as error:
         raise error.in_file(case.file) from None

@@ -24,16 +24,17 @@ from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, join_lands
-from fem_seal.seal.heating import AtRest, warmed
+from fem_seal.seal.heating import Heating, heating, warmed
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
 from fem_seal.units import format_value
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from fem_seal.bodies.constrained_body import LoadName
     from fem_seal.bolts import Bolts
     from fem_seal.case.tables import CaseTables, Direct, Interface
-    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.model import BodyLoads, ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
     from fem_seal.seal.circumference import Circumference
@@ -246,6 +247,69 @@ class Loads:
         return replace(self, points=each, solved=True)
 
 
+@dataclass(frozen=True)
+class AtRest:
+    """What acts on the bodies of a seal without any load: a press fit, and heat.
+
+    Parameters
+    ----------
+    interference : float
+        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
+    expansion : float
+        Thermal strain of the closure beyond that of the seat [-].
+    temperatures : mapping
+        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
+    fluid_temperature : float or None
+        At which the library's properties of the fluid are taken [K]; None where the fluid is the case's own.
+    heating : Heating or None
+        What warms the seal, where its temperature is calculated.
+    """
+
+    interference: float = 0.0
+    expansion: float = 0.0
+    temperatures: Mapping[str, float] = field(default_factory=dict)
+    fluid_temperature: float | None = None
+    heating: Heating | None = None
+
+    @classmethod
+    def of(cls, case: CaseTables) -> AtRest:
+        """What acts on the bodies of a case, which is `warmed`."""
+        of_library = case.fluid is not None and case.fluid.library_entry is not None
+        return cls(
+            case.wall_motion,
+            case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
+            case.body_temperatures,
+            case.fluid.temperature if case.fluid is not None and of_library else None,
+            heating(case) if case.conducts_heat else None,
+        )
+
+    def on(self, model: ContactModel) -> BodyLoads:
+        """The loads of condensed bodies.
+
+        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
+        less than what is neglected elsewhere.
+
+        Parameters
+        ----------
+        model : ContactModel
+            Condensed with these temperatures.
+        """
+        from fem_seal.contact.model import BodyLoads
+
+        if self.heating is None:
+            expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
+            fit = BodyLoads.press_fit(self.interference)
+            return BodyLoads(expansion, fit.seat, temperature=self.temperatures)
+        seat = model.seat.held
+        wall = self.interference + self.heating.wall_motion(seat)
+        nodes = {body.held.name: body.held.temperature for body in (model.closure, model.seat)}
+        return BodyLoads(
+            {"heat": 1.0},
+            {"heat": 1.0, **BodyLoads.press_fit(wall if len(seat.wall) else 0.0).seat},
+            temperature={name: warm for name, warm in nodes.items() if warm is not None},
+        )
+
+
 _FREE, _NO_REST = Supports(), AtRest()
 
 
@@ -362,7 +426,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
-        case, (_, *lower) = warmed(case), case.halves
+        case, (_, *lower) = warmed(case) if case.conducts_heat else case, case.halves
         return cls(
             contact=case.contact,
             materials={name: case.table_of(name).material for name in ("closure", "seat")},
