@@ -14,7 +14,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.flattened import solve_flattened
 from fem_seal.contact.hard import solve_hard
-from fem_seal.contact.laws import HardContact, Law, LawOfEach, ScaledLaw, law_of_rows
+from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
@@ -270,8 +270,7 @@ class _Rows:
     Parameters
     ----------
     model : ContactModel
-    law : ScaledLaw or LawOfEach
-        Of each a row.
+    laws : sequence of InterfaceLaw
     force : ndarray, shape (rows,)
         F_N [N].
     gap0 : ndarray, shape (rows, m)
@@ -279,7 +278,7 @@ class _Rows:
     """
 
     model: ContactModel
-    law: ScaledLaw | LawOfEach
+    laws: Sequence[InterfaceLaw]
     force: FloatArray
     gap0: FloatArray
 
@@ -288,14 +287,23 @@ class _Rows:
         model = pressings[0].model
         return cls(
             model,
-            law_of_rows([one.law for one in pressings if not isinstance(one.law, HardContact)]),
+            [one.law for one in pressings if not isinstance(one.law, HardContact)],
             np.array([one.contact_force for one in pressings]),
             np.stack([model.line.initial_gap + (one.loads or NO_LOADS).opening(model) for one in pressings]),
         )
 
     def chosen(self, rows: NDArray[np.bool_]) -> _Rows:
         """Some of them."""
-        return _Rows(self.model, self.law.rows(rows), self.force[rows], self.gap0[rows])
+        laws = [self.laws[number] for number in rows.nonzero()[0].tolist()]
+        return _Rows(self.model, laws, self.force[rows], self.gap0[rows])
+
+    def gap(self, log_pressure: FloatArray) -> FloatArray:
+        """Mean separation u [m] at ln(p/Pa), each row by its own law."""
+        return np.stack([law.gap(row) for law, row in zip(self.laws, log_pressure, strict=True)])
+
+    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
+        """-du/d ln p [m], each row by its own law."""
+        return np.stack([law.decay_length(row) for law, row in zip(self.laws, log_pressure, strict=True)])
 
     @cached_property
     def softest(self) -> FloatArray:
@@ -350,7 +358,7 @@ def _newton(
         for _ in range(settings.max_iterations):
             at_v, at_d = v[left], d[left]
             hardest = rows.hardest(floor, at_v, at_d)
-            decay = rows.law.decay_length(at_v) + hardest
+            decay = rows.decay_length(at_v) + hardest
             gap_residual, missing_force, worst = _residual(rows, hardest, at_v, at_d, decay, settings)
             for number, one in zip(left.tolist(), worst.tolist(), strict=True):
                 residuals[number].append(one)
@@ -390,9 +398,9 @@ def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
     for _ in range(4):
         v = -apart / s
         v += np.log(rows.force / (share * np.exp(v)).sum(axis=1))[:, None]
-        s = rows.law.decay_length(v.max(axis=1, keepdims=True)) + hardest + rows.softest
+        s = rows.decay_length(v.max(axis=1, keepdims=True)) + hardest + rows.softest
     opening = rows.opened(line.area_weight * np.exp(v)) + gap0
-    separation = rows.law.gap(v) - hardest * v
+    separation = rows.gap(v) - hardest * v
     opening = opening - separation + rows.lift(v, separation)
     centre = v.argmax(axis=1)[:, None]
     return v, np.take_along_axis(opening / line.normal[1], centre, axis=1)
@@ -409,7 +417,7 @@ def _residual(
     """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
     model, line = rows.model, rows.model.line
     f = line.area_weight * np.exp(v)
-    separation = rows.law.gap(v) - hardest * v
+    separation = rows.gap(v) - hardest * v
     terms = (rows.gap0 + rows.lift(v, separation), -d * line.normal[1], rows.opened(f), -separation)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
