@@ -278,100 +278,303 @@ _SYSTEMS: dict[str, dict[str, tuple[Unit, ...]]] = {
     }
     for system, own in _TABLES["display"].items()
 }
-_shown_in: ContextVar[System] = ContextVar("_shown_in", default="field")
-# Whether leak rates, of a gas, are shown as pressure times volume over time.
-_throughputs: ContextVar[bool] = ContextVar("_throughputs", default=False)
-# The unit of leak rates, where one is asked for.
-_of_flow: ContextVar[Unit | None] = ContextVar("_of_flow", default=None)
 
 
-@contextmanager
-def shown_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> Iterator[None]:
-    """Texts that are made meanwhile have their quantities in the units of a system.
+@dataclass(frozen=True)
+class Display:
+    """How quantities are shown: the only argument of sentences, tables and pictures that is not a result.
 
     Parameters
     ----------
-    system : {"SI", "field", "US"} or None
-        None leaves it as it is.
+    system : {"SI", "field", "US"}
     throughputs : bool
-        Leak rates as pressure times volume over time; see `fem_seal.case.case.Case.shown`.
+        Leak rates, of a gas, as pressure times volume over time; see `fem_seal.case.tables.CaseTables.display`.
     of_flow : Unit, optional
         The one of all leak rates, a volume over time.
 
     Examples
     --------
-    >>> with shown_in("US"):
-    ...     quantity("fluid pressure", 2e6), quantity("length", 0.3e-3), quantity("flow", 1e-9)
-    ('290 psi', '0.0118 in', '0.220 in³/h')
-    >>> with shown_in("field", throughputs=True):
-    ...     quantity("flow", 1e-6)
+    >>> display = Display("US")
+    >>> display.quantity(2e6, "fluid pressure"), display.quantity(1e-9, "flow")
+    ('290 psi', '0.220 in³/h')
+    >>> Display(throughputs=True).quantity(1e-6, "flow")
     '1.01 mbar l/s'
-    >>> with shown_in("field", of_flow=Unit("mm³/min", 1e-9 / 60)):
-    ...     leak_range_text((1e-15, 2e-9))
+    >>> Display(of_flow=Unit("mm³/min", 1e-9 / 60)).leak_range((1e-15, 2e-9))
     '6.0·10⁻⁵ to 120 mm³/min'
     """
-    before = (
-        _shown_in.set(system or _shown_in.get()),
-        _throughputs.set(throughputs),
-        _of_flow.set(of_flow),
-    )
+
+    system: System = "field"
+    throughputs: bool = False
+    of_flow: Unit | None = None
+
+    def units(self, kind: str) -> tuple[Unit, ...]:
+        """All units of a kind of quantity, the largest first; see `unit_for`.
+
+        Parameters
+        ----------
+        kind : str
+        """
+        known = _SYSTEMS[self.system]
+        if kind == "flow" and self.of_flow is not None:
+            return (self.of_flow,)
+        if kind == "flow" and self.throughputs:
+            return tuple(replace(unit, size=unit.size / STANDARD_PRESSURE) for unit in known["throughput"])
+        return known[kind]
+
+    def unit_for(self, kind: str, value: float) -> Unit:
+        """The unit in which `value` (SI) reads best.
+
+        Parameters
+        ----------
+        kind : str
+            "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity",
+            "pressure-viscosity coefficient", "throughput",
+            "mass flow", "angle", "temperature", "volume" or "time".
+        value : float
+            Usually the largest of those shown together.
+        """
+        units = self.units(kind)
+        if not (math.isfinite(value) and value):
+            return units[min(_TABLES["usual"].get(kind, 1), len(units) - 1)]
+        smallest = (_TABLES["smallest"]["field"] | _TABLES["smallest"].get(self.system, {})).get(kind, 1.0)
+        # A rounding error below the limit must not change the unit: 1 MPa is not 1000 kPa.
+        return next((unit for unit in units if abs(value) >= smallest * unit.size * (1 - 1e-9)), units[-1])
+
+    def fixed_unit(self, name: str) -> Unit:
+        """A unit that a table of the terminal shows whatever the size of its numbers.
+
+        Parameters
+        ----------
+        name : str
+            One of "bar", "MPa", "GPa", "N", "kN/m", "N/mm", "N m", "mm", "um", "nm", "deg", "degC", "mPa s",
+            "ml/min", "mm³/s", "mbar l/s"; "" for a plain number. The system of display has another one in its place.
+        """
+        if name == _FIXED_FLOW and self.of_flow is not None:
+            return self.of_flow
+        other = _TABLES["fixed_in"].get(self.system, {}).get(name)
+        return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
+
+    def flow_unit(self, leak_rates: Collection[float]) -> Unit | None:
+        """The unit for leak rates that stand together, the largest in which all can be read.
+
+        That is 23 to 120 ml/min rather than 0.023 to 0.12 l/min, and 0.042 to 1.5 ml/min rather than 42 to 1500 µl/min.
+
+        Parameters
+        ----------
+        leak_rates : collection of float
+            [m^3/s]
+
+        Returns
+        -------
+        Unit or None
+            None if they are too far apart for any.
+        """
+        known = [rate for rate in leak_rates if 0 < rate < math.inf]
+        if not known or self.of_flow is not None:
+            return self.of_flow
+        smallest, largest = min(known), max(known)
+        if smallest < _TOGETHER * largest:
+            return None
+        units = self.units("flow")
+        for unit in units[units.index(self.unit_for("flow", largest)) :]:
+            if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE):
+                return unit
+        return units[-1]
+
+    def shared_flow_unit(self, leak_rates: Collection[float]) -> Unit:
+        """The unit of a table or picture of leak rates: that of sentences with them, or of the largest.
+
+        Parameters
+        ----------
+        leak_rates : collection of float
+            [m^3/s]
+
+        Examples
+        --------
+        >>> [Display().shared_flow_unit(rates).name for rates in ((3.8e-7, 2e-6), (1e-13, 2e-6))]
+        ['ml/min', 'l/min']
+        """
+        largest = max((rate for rate in leak_rates if math.isfinite(rate)), default=0.0)
+        return self.flow_unit(leak_rates) or self.unit_for("flow", largest)
+
+    def quantity(self, value: Any, how: str) -> str:
+        """A number in the format that words and templates ask for; of a tuple both ends.
+
+        Parameters
+        ----------
+        value : float or tuple of float
+            SI; None is a dash.
+        how : str
+            "number", "percent", "strain", "trimmed" or "worth", or a kind of `unit_for`, before which "given" or
+            "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no letter,
+            and may have a name of `fixed_unit` behind it.
+
+        Examples
+        --------
+        >>> display = Display()
+        >>> display.quantity(0.00123, "length 2"), display.quantity(0.3, "percent")
+        ('1.2 mm', '30 %')
+        >>> display.quantity(2e6, "given fluid pressure"), display.quantity((0.001, 0.0025), "length 2")
+        ('20 bar', '1.0 mm to 2.5 mm')
+        >>> display.quantity(0.12345, ".2f"), display.quantity(2.54e-5, ".3g um"), display.quantity(1234.5, ".3g")
+        ('0.12', '25.4 um', '1230')
+        >>> Display("US").quantity(2e6, ".4g bar")
+        '290.1 psi'
+        """
+        if isinstance(value, tuple):
+            return range_text(*(self.quantity(end, how) for end in value))
+        first, *rest = how.split()
+        if not first[0].isalpha() or first == "g":
+            unit = self.fixed_unit(" ".join(rest)) if rest else None
+            text = format(value if unit is None else unit.of(value), first)
+            # 1000 rather than 1e+03
+            text = f"{float(text):g}" if "e+" in text and first.endswith("g") else text
+            return text if unit is None else f"{text} {unit.name}"
+        digits = [int(rest.pop())] if rest and rest[-1].isdigit() else []
+        if value is None:
+            return "–"
+        if first in _PLAIN and not rest:
+            return _PLAIN[first](value, *digits)
+        given, worth = first == "given", first == "worth"
+        kind = " ".join(rest if given or worth else [first, *rest])
+        if not (given or math.isfinite(value)):
+            return "–"
+        unit = self.unit_for(kind, value)
+        write = trim_zeros if given else _sentence_number if worth else number
+        return f"{write(unit.of(value), *digits)} {unit.name}"
+
+    def leak_rate(
+        self, leak_rate: float, digits: int = 3, *, claimed: bool = True, volume: LeakVolume | None = None
+    ) -> str:
+        """A leak rate with the unit that suits it, and no more digits than it is worth.
+
+        Only a zero that may be claimed is called sealed; less than anybody could measure is called so.
+
+        Examples
+        --------
+        >>> Display().leak_rate(8e-62)
+        'none measurable, less than a cubic nanometre per hour'
+        """
+        volume = LIQUID if volume is None else volume
+        if leak_rate == 0:
+            return "none, sealed" if claimed else "zero, as calculated"
+        if not volume.measurable(leak_rate):
+            return f"none measurable, less than {volume.least_name}"
+        return self.quantity(leak_rate, f"worth flow {digits}")
+
+    def leak_range(
+        self,
+        leak_rate: float | tuple[float, float],
+        digits: int = 3,
+        *,
+        claimed: bool = True,
+        beside: Collection[float] = (),
+        volume: LeakVolume | None = None,
+    ) -> str:
+        """A leak rate, or both ends of its interval, in one unit.
+
+        Parameters
+        ----------
+        leak_rate : float or tuple of float
+            [m^3/s]
+        digits : int
+            That they are worth; two at most of an interval.
+        claimed : bool
+            See `leak_rate`.
+        beside : collection of float, optional
+            Leak rates in the same sentence, for one unit of all [m^3/s].
+        volume : LeakVolume, optional
+            What leaks, a liquid unless given; an end that nobody could measure is told as zero.
+
+        Examples
+        --------
+        >>> display = Display()
+        >>> display.leak_range((2e-9, 5.61e-9))
+        '0.12 to 0.34 ml/min'
+        >>> [display.leak_range(rate, beside=(1e-8, 2e-5)) for rate in (1e-8, 2e-5)]
+        ['0.600 ml/min', '1200 ml/min']
+        """
+        volume = LIQUID if volume is None else volume
+        low, high = leak_rate if isinstance(leak_rate, tuple) else (leak_rate, leak_rate)
+        if math.isnan(high) or not volume.measurable(high) or low == math.inf:
+            return self.leak_rate(high, digits, claimed=claimed, volume=volume)
+        low = volume.measurable(low)
+        beside = [volume.measurable(rate) for rate in beside]
+        if low < high:
+            digits = min(digits, _RANGE_DIGITS)
+        if high == math.inf:
+            return f"at least {self.quantity(low, f'worth flow {digits}')}"
+        unit = self.flow_unit((low, high, *beside)) or self.shared_flow_unit((low, high))
+        return f"{range_text(*(_sentence_number(unit.of(end), digits) for end in (low, high)))} {unit.name}"
+
+    def state_of(self, volume: LeakVolume) -> str:
+        """What has to be said beside a leak rate: nothing of a liquid, nor of pressure times volume.
+
+        Parameters
+        ----------
+        volume : LeakVolume
+
+        Examples
+        --------
+        >>> Display().state_of(LeakVolume.of_gas(293.15)), Display("US").state_of(LeakVolume.of_gas(293.15))
+        ('20 °C and 1.01325 bar', '68 °F and 14.6959 psi')
+        """
+        if self.throughputs or volume.temperature is None:
+            return ""
+        unit = self.unit_for("temperature", volume.temperature)
+        at = self.quantity(STANDARD_PRESSURE, "given fluid pressure")
+        return f"{trim_zeros(round(unit.of(volume.temperature), 1))} {unit.name} and {at}"
+
+    def name_unit(self, unit: Unit, volume: LeakVolume) -> Unit:
+        """A unit with the state of the gas behind it, for headings and axes.
+
+        Parameters
+        ----------
+        unit : Unit
+        volume : LeakVolume
+
+        Examples
+        --------
+        >>> Display().name_unit(Unit("ml/min", 1e-6 / 60), LeakVolume.of_gas(473.15)).name
+        'ml/min at 200 °C and 1.01325 bar'
+        """
+        state = self.state_of(volume)
+        return replace(unit, name=f"{unit.name} at {state}") if state else unit
+
+
+_FIELD = Display()
+_shown: ContextVar[Display] = ContextVar("_shown", default=_FIELD)
+
+
+@contextmanager
+def shown_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> Iterator[None]:
+    """Texts that are made meanwhile are shown so; see `Display`. Without a system it stays as it is."""
+    before = _shown.get()
+    show_in(system, throughputs, of_flow)
     try:
         yield
     finally:
-        for variable, token in zip((_shown_in, _throughputs, _of_flow), before, strict=True):
-            variable.reset(token)  # type: ignore[attr-defined]
+        _shown.set(before)
 
 
 def show_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> None:
     """The same for all that follows, up to the end of the `shown_in` around it."""
-    _shown_in.set(system or _shown_in.get())
-    _throughputs.set(throughputs)
-    _of_flow.set(of_flow)
+    _shown.set(Display(system or _shown.get().system, throughputs, of_flow))
 
 
-def _units(kind: str) -> tuple[Unit, ...]:
-    known, of_flow = _SYSTEMS[_shown_in.get()], _of_flow.get()
-    if kind == "flow" and of_flow is not None:
-        return (of_flow,)
-    if kind == "flow" and _throughputs.get():
-        return tuple(replace(one, size=one.size / STANDARD_PRESSURE) for one in known["throughput"])
-    return known[kind]
+def current_display() -> Display:
+    """That of the `shown_in` around."""
+    return _shown.get()
 
 
 def unit_for(kind: str, value: float) -> Unit:
-    """The unit in which `value` (SI) reads best.
-
-    Parameters
-    ----------
-    kind : str
-        "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity",
-        "pressure-viscosity coefficient", "throughput",
-        "mass flow", "angle", "temperature", "volume" or "time".
-    value : float
-        Usually the largest of those shown together.
-    """
-    units = _units(kind)
-    if not (math.isfinite(value) and value):
-        return units[min(_TABLES["usual"].get(kind, 1), len(units) - 1)]
-    smallest = (_TABLES["smallest"]["field"] | _TABLES["smallest"].get(_shown_in.get(), {})).get(kind, 1.0)
-    # A rounding error below the limit must not change the unit: 1 MPa is not 1000 kPa.
-    return next((unit for unit in units if abs(value) >= smallest * unit.size * (1 - 1e-9)), units[-1])
+    """See `Display.unit_for`."""
+    return _shown.get().unit_for(kind, value)
 
 
 def fixed_unit(name: str) -> Unit:
-    """A unit that a table of the terminal shows whatever the size of its numbers.
-
-    Parameters
-    ----------
-    name : str
-        One of "bar", "MPa", "GPa", "N", "kN/m", "N/mm", "N m", "mm", "um", "nm", "deg", "degC", "mPa s", "ml/min",
-        "mm³/s", "mbar l/s"; "" for a plain number. The system of display has another one in its place.
-    """
-    of_flow = _of_flow.get()
-    if name == _FIXED_FLOW and of_flow is not None:
-        return of_flow
-    other = _TABLES["fixed_in"].get(_shown_in.get(), {}).get(name)
-    return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
+    """See `Display.fixed_unit`."""
+    return _shown.get().fixed_unit(name)
 
 
 # Of the leak rates in a table of the terminal.
@@ -405,8 +608,7 @@ def unit_like(written: str, dimension: str, value: float, system: System) -> Uni
     own = {one.name for kind in kinds for one in _SYSTEMS[system].get(kind, ())}
     if written.replace("um", "µm") in own or kinds[0] not in _SYSTEMS[system] or dimension == "angle":
         return None
-    with shown_in(system):
-        return unit_for(kinds[-1] if value >= _HARD else kinds[0], value)
+    return Display(system).unit_for(kinds[-1] if value >= _HARD else kinds[0], value)
 
 
 _AS_WRITTEN = re.compile(rf"\s*(?P<count>{NUMBER})\s*(?P<unit>[^\d\s].*?)\s*")
@@ -574,16 +776,12 @@ def superscript(power: int) -> str:
 
 def quantity(kind: str, value: float | None, digits: int = 3) -> str:
     """An SI value with the unit that suits it: "0.307 mm"; "–" for none."""
-    if value is None or not math.isfinite(value):
-        return "–"
-    unit = unit_for(kind, value)
-    return f"{number(unit.of(value), digits)} {unit.name}"
+    return _shown.get().quantity(value, f"{kind} {digits}")
 
 
 def format_quantity(kind: str, value: float, digits: int = 6) -> str:
     """An SI value as it was probably written in the input: "20 bar", without zeros that nobody wrote."""
-    unit = unit_for(kind, value)
-    return f"{trim_zeros(unit.of(value), digits)} {unit.name}"
+    return _shown.get().quantity(value, f"given {kind} {digits}")
 
 
 def trim_zeros(value: float, digits: int = 6) -> str:
@@ -594,10 +792,7 @@ def trim_zeros(value: float, digits: int = 6) -> str:
 
 def quantity_worth(kind: str, value: float, digits: int) -> str:
     """The same with no more significant digits than it is worth; of those behind the point three at most."""
-    if not math.isfinite(value):
-        return "–"
-    unit = unit_for(kind, value)
-    return f"{_sentence_number(unit.of(value), digits)} {unit.name}"
+    return _shown.get().quantity(value, f"worth {kind} {digits}")
 
 
 def _sentence_number(value: float, digits: int) -> str:
@@ -614,15 +809,15 @@ class LeakVolume:
 
     Parameters
     ----------
-    gas : str
-        State of a gas; empty for a liquid.
+    temperature : float or None
+        Of a gas, as which its volume counts [K]; None of a liquid.
     least : float
         Leak rates below it are called none measurable [m^3/s]: of a liquid a cubic nanometre per hour, some thirty
         molecules of water or one of oil.
     least_name : str
     """
 
-    gas: str = ""
+    temperature: float | None = None
     least: float = 1e-27 / 3600.0
     least_name: str = "a cubic nanometre per hour"
 
@@ -637,34 +832,29 @@ class LeakVolume:
 
         Examples
         --------
-        >>> nitrogen = LeakVolume.of_gas(293.15)
-        >>> nitrogen.state, f"{nitrogen.least:.2e}"
-        ('20 °C and 1.01325 bar', '1.11e-29')
+        >>> f"{LeakVolume.of_gas(293.15).least:.2e}"
+        '1.11e-29'
         """
         volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
-        unit = unit_for("temperature", temperature)
-        at = format_quantity("fluid pressure", STANDARD_PRESSURE)
-        state = f"{trim_zeros(round(unit.of(temperature), 1))} {unit.name} and {at}"
-        return cls(state, volume / 3600.0, "a molecule per hour")
+        return cls(temperature, volume / 3600.0, "a molecule per hour")
+
+    @property
+    def gas(self) -> str:
+        """State of a gas; empty for a liquid."""
+        return Display(_shown.get().system).state_of(self)
 
     @property
     def state(self) -> str:
-        """What has to be said beside a leak rate: nothing of a liquid, nor of pressure times volume."""
-        return "" if _throughputs.get() else self.gas
+        """See `Display.state_of`."""
+        return _shown.get().state_of(self)
 
     def measurable(self, leak_rate: float) -> float:
         """A leak rate, or zero where nobody could measure it [m^3/s]."""
         return 0.0 if 0.0 < leak_rate < self.least else leak_rate
 
     def name_unit(self, unit: Unit) -> Unit:
-        """A unit with the state behind it, for headings and axes.
-
-        Examples
-        --------
-        >>> LeakVolume.of_gas(473.15).name_unit(Unit("ml/min", 1e-6 / 60)).name
-        'ml/min at 200 °C and 1.01325 bar'
-        """
-        return replace(unit, name=f"{unit.name} at {self.state}") if self.state else unit
+        """See `Display.name_unit`."""
+        return _shown.get().name_unit(unit, self)
 
 
 LIQUID = LeakVolume()
@@ -673,20 +863,8 @@ LIQUID = LeakVolume()
 def leak_rate_text(
     leak_rate: float, digits: int = 3, *, claimed: bool = True, volume: LeakVolume = LIQUID
 ) -> str:
-    """A leak rate with the unit that suits it, and no more digits than it is worth.
-
-    Only a zero that may be claimed is called sealed; less than anybody could measure is called so.
-
-    Examples
-    --------
-    >>> leak_rate_text(8e-62)
-    'none measurable, less than a cubic nanometre per hour'
-    """
-    if leak_rate == 0:
-        return "none, sealed" if claimed else "zero, as calculated"
-    if not volume.measurable(leak_rate):
-        return f"none measurable, less than {volume.least_name}"
-    return quantity_worth("flow", leak_rate, digits)
+    """See `Display.leak_rate`."""
+    return _shown.get().leak_rate(leak_rate, digits, claimed=claimed, volume=volume)
 
 
 # Digits of the ends of an interval: it says how little the others would be worth.
@@ -715,84 +893,18 @@ def leak_range_text(
     beside: Collection[float] = (),
     volume: LeakVolume = LIQUID,
 ) -> str:
-    """A leak rate, or both ends of its interval, in one unit.
-
-    Parameters
-    ----------
-    leak_rate : float or tuple of float
-        [m^3/s]
-    digits : int
-        That they are worth; two at most of an interval.
-    claimed : bool
-        See `leak_rate_text`.
-    beside : collection of float, optional
-        Leak rates in the same sentence, for one unit of all [m^3/s].
-    volume : LeakVolume
-        What leaks; an end that nobody could measure is told as zero.
-
-    Examples
-    --------
-    >>> leak_range_text((2e-9, 5.61e-9))
-    '0.12 to 0.34 ml/min'
-    >>> [leak_range_text(one, beside=(1e-8, 2e-5)) for one in (1e-8, 2e-5)]
-    ['0.600 ml/min', '1200 ml/min']
-    """
-    low, high = leak_rate if isinstance(leak_rate, tuple) else (leak_rate, leak_rate)
-    if math.isnan(high) or not volume.measurable(high) or low == math.inf:
-        return leak_rate_text(high, digits, claimed=claimed, volume=volume)
-    low = volume.measurable(low)
-    beside = [volume.measurable(one) for one in beside]
-    if low < high:
-        digits = min(digits, _RANGE_DIGITS)
-    if high == math.inf:
-        return f"at least {quantity_worth('flow', low, digits)}"
-    unit = flow_unit((low, high, *beside)) or shared_flow_unit((low, high))
-    return f"{range_text(*(_sentence_number(unit.of(one), digits) for one in (low, high)))} {unit.name}"
+    """See `Display.leak_range`."""
+    return _shown.get().leak_range(leak_rate, digits, claimed=claimed, beside=beside, volume=volume)
 
 
 def flow_unit(leak_rates: Collection[float]) -> Unit | None:
-    """The unit for leak rates that stand together, the largest in which all can be read.
-
-    That is 23 to 120 ml/min rather than 0.023 to 0.12 l/min, and 0.042 to 1.5 ml/min rather than 42 to 1500 µl/min.
-
-    Parameters
-    ----------
-    leak_rates : collection of float
-        [m^3/s]
-
-    Returns
-    -------
-    Unit or None
-        None if they are too far apart for any.
-    """
-    known, of_flow = [one for one in leak_rates if 0 < one < math.inf], _of_flow.get()
-    if not known or of_flow is not None:
-        return of_flow
-    smallest, largest = min(known), max(known)
-    if smallest < _TOGETHER * largest:
-        return None
-    units = _units("flow")
-    for unit in units[units.index(unit_for("flow", largest)) :]:
-        if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE):
-            return unit
-    return units[-1]
+    """See `Display.flow_unit`."""
+    return _shown.get().flow_unit(leak_rates)
 
 
 def shared_flow_unit(leak_rates: Collection[float]) -> Unit:
-    """The unit of a table or picture of leak rates: that of sentences with them, or of the largest if there is none.
-
-    Parameters
-    ----------
-    leak_rates : collection of float
-        [m^3/s]
-
-    Examples
-    --------
-    >>> shared_flow_unit((3.8e-7, 2e-6)).name, shared_flow_unit((1e-13, 2e-6)).name
-    ('ml/min', 'l/min')
-    """
-    largest = max((one for one in leak_rates if math.isfinite(one)), default=0.0)
-    return flow_unit(leak_rates) or unit_for("flow", largest)
+    """See `Display.shared_flow_unit`."""
+    return _shown.get().shared_flow_unit(leak_rates)
 
 
 def percent(share: float | None, digits: int = 2) -> str:
@@ -908,50 +1020,11 @@ _PLAIN: dict[str, Callable[..., str]] = {
     "trimmed": trim_zeros,
     "worth": format_digits,
 }
-_WITH_UNIT: dict[str, Callable[..., str]] = {"given": format_quantity, "worth": quantity_worth}
 
 
 def format_value(value: Any, how: str) -> str:
-    """A number in the format that words and templates ask for; of a tuple both ends.
-
-    Parameters
-    ----------
-    value : float or tuple of float
-        SI; None is a dash.
-    how : str
-        "number", "percent", "strain", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which
-        "given" or "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no
-        letter, and may have a name of `fixed_unit` behind it.
-
-    Examples
-    --------
-    >>> format_value(0.00123, "length 2"), format_value(0.3, "percent"), format_value(2e6, "given fluid pressure")
-    ('1.2 mm', '30 %', '20 bar')
-    >>> format_value((0.001, 0.0025), "length 2"), format_value(0.12345, ".2f")
-    ('1.0 mm to 2.5 mm', '0.12')
-    >>> format_value(1234.5, ".3g"), format_value(2.54e-5, ".3g um")
-    ('1230', '25.4 um')
-    >>> with shown_in("US"):
-    ...     format_value(2e6, ".4g bar")
-    '290.1 psi'
-    """
-    if isinstance(value, tuple):
-        return range_text(*(format_value(one, how) for one in value))
-    first, *rest = how.split()
-    if not first[0].isalpha() or first == "g":
-        unit = fixed_unit(" ".join(rest)) if rest else None
-        text = format(value if unit is None else unit.of(value), first)
-        # 1000 rather than 1e+03
-        text = f"{float(text):g}" if "e+" in text and first.endswith("g") else text
-        return text if unit is None else f"{text} {unit.name}"
-    digits = [int(rest.pop())] if rest and rest[-1].isdigit() else []
-    if value is None:
-        return "–"
-    if first in _PLAIN and not rest:
-        return _PLAIN[first](value, *digits)
-    if first in _WITH_UNIT:
-        return _WITH_UNIT[first](" ".join(rest), value, *digits)
-    return quantity(" ".join([first, *rest]), value, *digits)
+    """See `Display.quantity`."""
+    return _shown.get().quantity(value, how)
 
 
 @cache

@@ -41,7 +41,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
-from fem_seal.units import System, Unit, unit_as_written
+from fem_seal.units import Display, System, Unit, unit_as_written
 from leak.standards import DROP_VOLUME
 from meshes import ContactGeometry, Shape
 
@@ -391,6 +391,12 @@ class CaseTables(Table):
         asked = limit if limit is not None else self.load.target_leak_rate
         own = None if asked is None or self.report.units else self._unit_of(asked)
         return self.report.units, throughputs, own if throughputs == isinstance(asked, Throughput) else None
+
+    @property
+    def display(self) -> Display:
+        """In which units its results are shown, see `shown`."""
+        system, throughputs, of_flow = self.shown
+        return Display(system or "field", throughputs, of_flow)
 
     def _unit_of(self, limit: float) -> Unit | None:
         """The unit in which a limit is written; None where it has none, or is that of a gas in another state."""

@@ -11,8 +11,17 @@ from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
-from fem_seal.output.prose import format_value, phrase, prose, worded_rows
-from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trim_zeros, unit_for
+from fem_seal.output.prose import phrase, prose, worded_rows
+from fem_seal.units import (
+    LeakVolume,
+    attributes,
+    format_quantity,
+    format_value,
+    number,
+    quantity,
+    trim_zeros,
+    unit_for,
+)
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case

@@ -5,7 +5,6 @@ The texts are data; the modules of the answers choose the sentences that a resul
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
-from fem_seal.units import fill_sentence, format_value, keep_units_together
+from fem_seal.units import current_display, fill_sentence
+from fem_seal.wording import environment
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -25,7 +25,6 @@ def prose() -> dict[str, Any]:
     return own_tables("words.toml")
 
 
-@cache
 def template(name: str, *, escaped: bool = True) -> Template:
     """A template of pages or of their words.
 
@@ -37,20 +36,9 @@ def template(name: str, *, escaped: bool = True) -> Template:
         Whether inserted values are escaped, as titles, names and file names of the user must be; not for words, which
         are escaped when they enter a page.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("fem_seal"),
-        autoescape=escaped,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        # a page is made once: folding constants takes longer than it saves
-        optimized=False,
-    )
-    environment.filters |= {"written": format_value, "unbroken": keep_units_together}
-    environment.globals |= {"math": math, "load_name": load_name}
-    return environment.get_template(name)
+    made = environment(current_display(), escaped=escaped)
+    made.globals["load_name"] = load_name
+    return made.get_template(name)
 
 
 def in_scenario(scenario: str, own: str, clause: str) -> str:

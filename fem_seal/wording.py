@@ -1,0 +1,147 @@
+"""Sentences with their values: the only place that knows the language of templates.
+
+Texts are templates of Jinja: macros of templates/answers/, pages, and entries of the TOML files of messages. A number
+is written by the filter `quantity` in the units of display that the environment was made for.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING
+
+from fem_seal.units import Display, keep_units_together
+
+if TYPE_CHECKING:
+    from jinja2 import Environment, Template
+
+    from fem_seal.loads import LoadName
+
+
+@cache
+def environment(display: Display, *, escaped: bool = False) -> Environment:
+    """Where templates are read, and what they may call.
+
+    Parameters
+    ----------
+    display : Display
+        Units of the filter `quantity`.
+    escaped : bool
+        Whether inserted values are escaped, as titles, names and file names of the user must be on a page; not in
+        sentences, which are escaped when they enter a page.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("fem_seal"),
+        autoescape=escaped,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        # a page is made once: folding constants takes longer than it saves
+        optimized=False,
+    )
+    made.filters |= {
+        "quantity": display.quantity,
+        "unbroken": keep_units_together,
+        "few": few,
+        "name_of_load": lambda load: name_of_load(display, load),
+    }
+    made.globals |= {"math": math, "display": display}
+    return made
+
+
+def say(display: Display, name: str, macro: str, /, **values: object) -> str:
+    """What a macro of an answer says, in one line.
+
+    Parameters
+    ----------
+    display : Display
+    name : str
+        File in templates/answers/, without its ending.
+    macro : str
+    **values
+        Its arguments.
+    """
+    return _squeezed(_rendered(display, name, macro, values))
+
+
+def say_all(display: Display, name: str, macro: str, /, **values: object) -> list[str]:
+    """Sentences of a macro, each of which has its own line; see `say`."""
+    lines = map(_squeezed, _rendered(display, name, macro, values).splitlines())
+    return [line for line in lines if line]
+
+
+def _rendered(display: Display, name: str, macro: str, values: dict[str, object]) -> str:
+    words = environment(display).get_template(f"answers/{name}.j2").module
+    return str(getattr(words, macro)(**values))
+
+
+def _squeezed(text: str) -> str:
+    # spaces that do not break stay
+    return re.sub(r"[ \n]+", " ", text).strip(" ")
+
+
+def fill(display: Display, text: str, /, **values: object) -> str:
+    """One text with its values.
+
+    Parameters
+    ----------
+    display : Display
+    text : str
+    **values
+        What it has in braces.
+
+    Examples
+    --------
+    >>> text = '{{ share | quantity("percent") }} of {{ pressure | quantity("given fluid pressure") }}'
+    >>> fill(Display(), text, share=0.2, pressure=2e6), fill(Display("US"), text, share=0.2, pressure=2e6)
+    ('20 % of 20 bar', '20 % of 290.075 psi')
+    """
+    return _template(display, text).render(values) if "{" in text else text
+
+
+@cache
+def _template(display: Display, text: str) -> Template:
+    return environment(display).from_string(text)
+
+
+def few(names: Sequence[str], most: int = 3) -> str:
+    """Names with commas between them, of many the first two and how many more there are.
+
+    Parameters
+    ----------
+    names : sequence of str
+    most : int
+        So many names are told.
+
+    Examples
+    --------
+    >>> few(["1 bar", "2 bar", "3 bar"]), few(["1 bar", "2 bar", "3 bar", "4 bar"])
+    ('1 bar, 2 bar, 3 bar', '1 bar, 2 bar and 2 more')
+    """
+    if len(names) <= most:
+        return ", ".join(names)
+    return f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"
+
+
+def name_of_load(display: Display, load: LoadName) -> str:
+    """A load by what tells it from the others.
+
+    Parameters
+    ----------
+    display : Display
+    load : LoadName
+
+    Examples
+    --------
+    >>> from fem_seal.loads import LoadName
+    >>> name_of_load(Display(), LoadName(2e6)), name_of_load(Display(), LoadName(2e6, 400.0, 3))
+    ('20 bar', '20 bar with 400 N (load 3)')
+    """
+    pressure, force, number = load
+    name = display.quantity(pressure, "given fluid pressure")
+    name += "" if force is None else f" with {display.quantity(force, 'given force')}"
+    return name if number is None else f"{name} (load {number})"
