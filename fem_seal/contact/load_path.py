@@ -452,12 +452,12 @@ class _Walk:
         begin = begin.relieved(here)
         share = begin.change(end, self.model.initial_contact_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
-        way, steps, tried = 0.0, 0, 0
+        way, steps, tried, stood = 0.0, 0, 0, self._way_to_stop(here)
         earlier, taken = None, 1.0
         while way < 1:
             if (beyond := end.past_stop(here)) is not None:
                 return beyond, steps
-            if tried >= self.settings.most_steps * max(way, _AT_LEAST):
+            if tried >= self.settings.most_steps * max(way, self._way_to_stop(here) - stood, _AT_LEAST):
                 raise self._takes_too_many(begin.between(end, way), end, here, way, tried, step)
             tried += 1
             if number is not None:
@@ -482,9 +482,8 @@ class _Walk:
                 raise self._gave_up(begin.between(end, way), load, here, error) from error
             if reached.plastic_strain > _COLLAPSED:
                 raise self._yielded_through(begin.between(end, way), reached)
-            if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * (
-                self.model.stop - self.model.touch
-            ):
+            nearer = self._way_to_stop(reached) - self._way_to_stop(here)
+            if reached.flowed and nearer * self.settings.steps > _LEAP:
                 usual = step = (aim - way) / 2
                 continue
             earlier, taken = here, aim - way
@@ -493,6 +492,11 @@ class _Walk:
             if passed is not None:
                 passed(load, here)
         return here, steps
+
+    def _way_to_stop(self, here: Equilibrium) -> float:
+        """How far bodies have come nearer to a stop, as a share of all that they can; 0 without one."""
+        room = self.model.stop - self.model.touch
+        return 0.0 if here.contact is None or room <= 0.0 else here.contact.closing / room
 
     def held(
         self, load: PathLoad, tightened: float, begin: PathLoad, here: Equilibrium, number: int

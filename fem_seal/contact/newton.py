@@ -245,17 +245,27 @@ def _solution_of_state(
 ) -> ContactSolution:
     assert not isinstance(one.law, HardContact)
     (v, d), carried, line = state, one.contact_force, one.model.line
+    loads, pressure, gap = one.loads or BodyLoads(), np.exp(v), one.law.gap(v)
     if d >= one.model.stop:
-        carried = min(float((line.normal[1] * line.area_weight) @ np.exp(v)), carried)
+        carried = min(float((line.normal[1] * line.area_weight) @ pressure), carried)
+    if not pressure.all():
+        # what carries nothing is as far apart as the bodies are: no force depends on its ln p, which is not iterated
+        apart = (
+            line.initial_gap
+            + loads.opening(one.model)
+            - d * line.normal[1]
+            + line.lift(float(gap[v.argmax()]))
+        )
+        gap = np.where(pressure > 0, gap, apart + one.model.compliance @ (line.area_weight * pressure))
     return ContactSolution(
         one.model,
         carried,
         d,
         v,
-        one.law.gap(v),
+        gap,
         steps,
         tuple(residuals),
-        one.loads or BodyLoads(),
+        loads,
         stop_force=one.contact_force - carried,
     )
 

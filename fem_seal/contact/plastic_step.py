@@ -248,11 +248,6 @@ class Equilibrium:
         """Whether a stop carries some of the force."""
         return self.contact is not None and self.contact.stop_force > 0
 
-    def came_nearer(self, before: Equilibrium) -> float:
-        """By how much the bodies have come nearer to each other since then [m]."""
-        here, there = (0.0 if one.contact is None else one.contact.closing for one in (self, before))
-        return here - there
-
     def ahead(self, before: Equilibrium, share: float) -> dict[str, FloatArray]:
         """Displacements of the bodies that yield, extrapolated by a share of the step from `before` to here [m]."""
         return {

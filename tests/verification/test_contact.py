@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -309,6 +310,18 @@ def test_displaced_bodies_keep_the_gap(default: tuple[ContactModel, list[Contact
     assert gap[inside] == pytest.approx(expected, abs=1e-8)  # h^2/8R of linear interpolation
 
 
+def test_untouched_places_are_as_far_apart_as_the_bodies_leave_them() -> None:
+    """By the displacement fields, to round-off: where nothing is pressed a law has no part in it."""
+    model, (force,) = ball_on_cone(LAW, [2e6], refine=0.5)
+    solution = solve(model, replace(LAW, u0=2e-9), contact_force=force)
+    untouched = solution.pressure == 0.0
+    opening = model.line.initial_gap - solution.approach * model.line.normal[1]
+    for name, body in model.bodies.items():
+        opening = opening + body.held.trace @ body.held.normal_displacement(solution.moved[name][0])
+    assert untouched.sum() > 10
+    assert solution.gap[untouched] == pytest.approx(opening[untouched], rel=1e-8)
+
+
 def test_non_convergence_says_which_load_and_what_to_do() -> None:
     model, (force,) = ball_on_cone(LAW, [2e7])
     with pytest.raises(
@@ -347,6 +360,19 @@ def test_random_seals_all_converge() -> None:
         solution = solve(model, law, contact_force=force)
         assert abs(solution.force_error) < 1e-10
         assert solution.residuals[-1] < 1e-10
+
+
+def test_a_soft_seal_under_an_all_but_rigid_law_meets_hertz() -> None:
+    """One of those seals; 80 % of its contact line is pressed, and ln p falls by 1e5 over the rest."""
+    radius, law = 0.0451, ExponentialLaw(p_c=5e9, u0=5.8e-9)
+    closure, seat = Material("closure", 31.7e9, 0.135), Material("seat", 2.455e9, 0.426)
+    model, (force,) = ball_on_cone(
+        law, [28.56e6], radius=radius, angle=math.radians(49.36), closure=closure, seat=seat, refine=0.5
+    )
+    solution = solve(model, law, contact_force=force)
+    hertz = math.sqrt(effective_modulus(closure, seat) * model.line_load(force) / (math.pi * radius))
+    assert abs(solution.force_error) < 1e-10
+    assert solution.profile.peak_pressure == pytest.approx(hertz, rel=0.02)
 
 
 def test_contacts_moved_together_move_as_each_alone() -> None:
