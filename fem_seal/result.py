@@ -115,7 +115,7 @@ class SealResult(SealSolution):
 
     def __getitem__(self, name: str) -> pd.Series[Any]:
         """A column of the table, with or without its unit: ``result["leak_rate"]``; KeyError if there is none."""
-        from fem_seal.output.tables import column_named
+        from fem_seal.output.columns import column_named
 
         return self.table[column_named(name, self.table.columns)]
 

@@ -20,8 +20,9 @@ from fem_seal.case.messages import toml
 from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.case.schema import case_schema
 from fem_seal.files import as_json
+from fem_seal.output.columns import COLUMNS, PROFILE_LEAK_COLUMNS
 from fem_seal.output.library import material_cells, material_rows, over_temperature_lines
-from fem_seal.output.tables import COLUMNS, MEANINGS, PROFILE_LEAK_COLUMNS
+from fem_seal.output.tables import MEANINGS
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
 from fem_seal.studies.tables import study_schema
 from fem_seal.units import DIMENSIONS, format_digits, split_unit

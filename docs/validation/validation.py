@@ -17,7 +17,7 @@ from typing import Any
 from validation_page import Experiment, Prediction, page, verdict
 
 from fem_seal import Case, InputError
-from fem_seal.output.tables import COLUMNS
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.responses import evaluate_design

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad, CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.output.tables import TerminalColumn
+    from fem_seal.output.columns import TerminalColumn
 
 
 def option(command: str, name: str, **words: str) -> Any:
@@ -324,8 +324,8 @@ def show_leak_table(
     volume : LeakVolume, optional
         State of the leaking volume; that of a liquid unless given.
     """
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_columns
     from fem_seal.output.report.words import volume_notes
-    from fem_seal.output.tables import COLUMNS, LEAK_ON_TERMINAL, own_columns
     from fem_seal.seal.findings import Level
     from fem_seal.seal.load_result import MissingLoad
 
@@ -371,7 +371,7 @@ def show_leak_table(
 
 def _leak_cell(value: float | None, shown: TerminalColumn, load: AnyLoad, volume: LeakVolume) -> str:
     """A cell of a load: "<" for an unmeasurable leak rate, ">1e6" for a margin above a million."""
-    from fem_seal.output.tables import COLUMNS
+    from fem_seal.output.columns import COLUMNS
 
     column = COLUMNS[shown.name]
     if value is not None and column.kind in ("flow", "throughput"):
@@ -488,7 +488,7 @@ def case_of_command(path: Path) -> Case:
 def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = False) -> None:
     """Print the derived numbers of a case, of the loads six columns or all that are known."""
     from fem_seal.output.case_words import section_text
-    from fem_seal.output.tables import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
+    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
     lower = numbers.get("lower_flange")
     for part in case.every_body:

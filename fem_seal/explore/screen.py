@@ -19,8 +19,8 @@ from fem_seal.files import own_tables
 from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences, worst_verdict
 from fem_seal.output.case_words import state_in_words
+from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
-from fem_seal.output.tables import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 

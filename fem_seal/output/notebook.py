@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from fem_seal.answers.case_load import AnyLoad
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.output.shown import ReadableTable
+    from fem_seal.output.columns import ReadableTable
 
 # Largest number of loads in a text, and of rows in a notebook.
 _NAMED = 5

@@ -6,13 +6,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import fill_sentence, prose
-from fem_seal.output.tables import COLUMNS, Column, known_columns
 from fem_seal.seal.scenarios import BESIDE
-from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trim_zeros, unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.answers.case_load import AnyLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
@@ -128,24 +126,6 @@ def by_scenario(value: Any) -> Any:
     }
 
 
-@dataclass(frozen=True)
-class ReadableTable:
-    """A table of the report.
-
-    Parameters
-    ----------
-    headings : tuple of str
-    rows : tuple of tuple of str
-    """
-
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-    def __len__(self) -> int:
-        """Number of rows."""
-        return len(self.rows)
-
-
 def worded_table(
     name: str, rows: Iterable[Mapping[str, object]], *, without: Collection[str] = (), **values: object
 ) -> ReadableTable:
@@ -167,88 +147,3 @@ def worded_table(
         tuple(fill_sentence(heading, values) for heading in columns),
         tuple(tuple(fill_sentence(cell, {**values, **row}) for cell in columns.values()) for row in rows),
     )
-
-
-@dataclass(frozen=True)
-class ReportColumn:
-    """A column with its values.
-
-    Parameters
-    ----------
-    column : Column
-    values : list of float or None
-        One per row, SI.
-    digits : list of int
-        Significant digits of the values.
-    volume : LeakVolume
-        State of the leaking volume.
-    given_unit : Unit, optional
-        That for the largest of the values unless given.
-    """
-
-    column: Column
-    values: list[float | None]
-    digits: list[int]
-    volume: LeakVolume = LIQUID
-    given_unit: Unit | None = None
-
-    @property
-    def some(self) -> bool:
-        """Whether any row has a value."""
-        return any(value is not None for value in self.values)
-
-    @property
-    def unit(self) -> Unit:
-        """Unit of all values."""
-        if self.given_unit is not None:
-            return self.given_unit
-        if not self.column.kind:
-            return fixed_unit("")
-        largest = max(abs(value) for value in self.values if value is not None)
-        found = unit_for(self.column.kind, largest)
-        return self.volume.name_unit(found) if self.column.kind == "flow" else found
-
-
-def filled_column(name: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID) -> ReportColumn:
-    """A column of leak.csv with the values of loads, None where nothing is known of them."""
-    column = COLUMNS[name]
-    if name not in known_columns(loads):
-        return ReportColumn(column, [None] * len(loads), [0] * len(loads), volume)
-    return ReportColumn(
-        column, [column.value(load) for load in loads], [column.digits(load) for load in loads], volume
-    )
-
-
-def columns_table(columns: Sequence[ReportColumn], none: str = "none measurable") -> ReadableTable:
-    """Columns side by side, one unit in each, without empty ones.
-
-    Parameters
-    ----------
-    columns : sequence of ReportColumn
-    none : str
-        Word for what is too little to be measured.
-    """
-    shown = [one for one in columns if one.some]
-    own = {one.column.name: one.unit for one in shown}
-    units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
-    return ReadableTable(
-        tuple(
-            f"{one.column.heading} [{unit.name}]" if unit.name else one.column.heading
-            for one, unit in zip(shown, units, strict=True)
-        ),
-        tuple(
-            tuple(_cell(one, unit, n, none) for one, unit in zip(shown, units, strict=True))
-            for n in range(len(columns[0].values))
-        ),
-    )
-
-
-def _cell(column: ReportColumn, unit: Unit, n: int, none: str) -> str:
-    value = column.values[n]
-    if value is None:
-        return "–"
-    if column.column.name == "fluid_pressure_Pa":
-        return trim_zeros(unit.of(value))
-    if column.column.kind == "flow" and value and not column.volume.measurable(value):
-        return none
-    return format_digits(unit.of(value), column.digits[n])

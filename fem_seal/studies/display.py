@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from fem_seal.arrays import FloatArray
 from fem_seal.files import own_tables
-from fem_seal.output.tables import COLUMNS
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs_table import LEAK_RATE, SHARES, Designs
 from fem_seal.units import Unit, kind_of, number, shared_flow_unit, unit_for

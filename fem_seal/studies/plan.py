@@ -16,7 +16,7 @@ from fem_seal.case.notation import same_entry
 from fem_seal.case.paths import Value
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.output.tables import COLUMNS, LEAK_COLUMNS, in_full
+from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, in_full
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.scenarios import BESIDE, IN_INTERVAL, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY

@@ -32,7 +32,7 @@ from fem_seal.answers.variants import OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, load_verdict
 from fem_seal.case.case import Case
 from fem_seal.errors import SealError, error_text
-from fem_seal.output.tables import COLUMNS
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
 from fem_seal.seal.heating import warmed

@@ -25,7 +25,7 @@ from fem_seal.answers.judgement import Verdict
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file, parse_json
-from fem_seal.output.tables import COLUMNS
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression

@@ -18,7 +18,7 @@ from fem_seal.case.paths import entry_at, with_open_materials
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import read_toml
-from fem_seal.output.tables import in_full
+from fem_seal.output.columns import in_full
 from fem_seal.studies import designs, plan
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.tables import Parameter, StudyTables, read_parameter

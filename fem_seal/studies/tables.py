@@ -16,7 +16,7 @@ from fem_seal.case.paths import Entry, Value
 from fem_seal.case.schema import as_schema
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.output.tables import LEAK_COLUMNS
+from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.units import parse_quantity
 

@@ -15,7 +15,8 @@ import fem_seal
 import leak
 from fem_seal.cli import app as cli
 from fem_seal.errors import ConvergenceError
-from fem_seal.output.tables import LEAK_COLUMNS, TEXT_COLUMNS
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.tables import TEXT_COLUMNS
 
 CASE = EXAMPLES / "ball_cone.toml"
 PROFILE = EXAMPLES / "profile_from_another_code.csv"

@@ -10,7 +10,7 @@ import validation
 from validation_page import INSIDE, NOT_DECIDABLE, OUTSIDE, Experiment, Observed, Prediction, page, verdict
 
 import fem_seal
-from fem_seal.output.tables import COLUMNS
+from fem_seal.output.columns import COLUMNS
 from fem_seal.studies.expressions import Expression
 
 ALL_FILES = [*validation.files(), validation.FOLDER / validation.TEMPLATE]

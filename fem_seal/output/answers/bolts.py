@@ -9,9 +9,9 @@ from typing import Any
 from fem_seal.answers.leakage_class import is_flange, seal_length, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.target import target_text
+from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_column
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import ReadableTable, Section, Shown, columns_table, filled_column, worded_section
-from fem_seal.output.tables import SHOWN_COLUMNS
+from fem_seal.output.shown import Section, Shown, worded_section
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import leak_range_text
 

@@ -9,8 +9,9 @@ from operator import itemgetter
 from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
 from fem_seal.answers.solution import SealSolution
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import fill_sentence, phrase, prose
-from fem_seal.output.shown import ReadableTable, Shown, worded_table
+from fem_seal.output.shown import Shown, worded_table
 from fem_seal.seal.load_result import highest_load, load_name
 from fem_seal.units import format_digits, percent
 

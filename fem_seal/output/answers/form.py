@@ -12,8 +12,9 @@ import numpy as np
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import in_scenario, phrase
-from fem_seal.output.shown import ReadableTable, Section, Shown, by_scenario, worded_section, worded_table
+from fem_seal.output.shown import Section, Shown, by_scenario, worded_section, worded_table
 from fem_seal.output.tables import AROUND_COLUMNS
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_name

@@ -11,10 +11,11 @@ import numpy as np
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, ParticleAnswers, answers_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
+from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import PARTICLE_COLUMNS
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import quantity, unit_for

@@ -11,8 +11,9 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import Case
 from fem_seal.case.material_table import UNNAMED
 from fem_seal.case.notation import partner
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import ReadableTable, Shown, worded_table
+from fem_seal.output.shown import Shown, worded_table
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import format_digits, range_text, trim_zeros, unit_for
 

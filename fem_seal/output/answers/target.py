@@ -11,9 +11,9 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
+from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_column
 from fem_seal.output.prose import in_scenario, phrase
-from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
-from fem_seal.output.tables import SHOWN_COLUMNS
+from fem_seal.output.shown import Shown
 from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
 
 _DIGITS = 4

@@ -12,8 +12,9 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.output.answers.error_shares import input_name
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import ReadableTable, Shown
+from fem_seal.output.shown import Shown
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, shared_flow_unit
 

@@ -10,8 +10,9 @@ from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import ReadableTable, Shown, by_scenario, worded_section, worded_table
+from fem_seal.output.shown import Shown, by_scenario, worded_section, worded_table
 from fem_seal.seal.findings import EXACT, Bounds
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS

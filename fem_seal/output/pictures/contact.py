@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
 from fem_seal.output.case_words import law_word
+from fem_seal.output.columns import in_words
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
-from fem_seal.output.tables import in_words
 from fem_seal.seal.load_result import LoadAxis, different, load_axis, load_name
 from fem_seal.units import Unit, fixed_unit, format_quantity, quantity, unit_for
 

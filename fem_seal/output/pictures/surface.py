@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.colours import BLUE, FILL, GREEN, GREY, ORANGE, PURPLE
 from fem_seal.output.pictures.style import Picture, captioned, draw_marks, inches, label, panels, positive
-from fem_seal.output.tables import in_words
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact

@@ -20,11 +20,17 @@ from fem_seal.output.answers.sensitivities import in_words
 from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
 from fem_seal.output.answers.target import OPENS, target_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
+from fem_seal.output.columns import (
+    MOST_COLUMNS,
+    SHOWN_COLUMNS,
+    ReadableTable,
+    ReportColumn,
+    columns_table,
+    filled_column,
+)
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
-from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
-from fem_seal.output.tables import MOST_COLUMNS, SHOWN_COLUMNS
 from fem_seal.seal.findings import YIELD_STRESS, Level, few_words, sentence
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
 from fem_seal.units import leak_range_text, shared_flow_unit

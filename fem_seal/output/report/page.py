@@ -23,6 +23,7 @@ from fem_seal.files import write_text
 from fem_seal.output import case_words, shown_answers
 from fem_seal.output.answers import verdict
 from fem_seal.output.case_words import law_word
+from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_column, own_columns
 from fem_seal.output.pictures.contact import (
     contact_picture,
     imprint_picture,
@@ -38,9 +39,8 @@ from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import brief, words
-from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
+from fem_seal.output.shown import worded_table
 from fem_seal.output.sources import sources
-from fem_seal.output.tables import SHOWN_COLUMNS, own_columns
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
 from fem_seal.seal.load_result import MissingLoad, in_order, load_name
 from fem_seal.seal.problem import exponential_law

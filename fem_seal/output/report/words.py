@@ -19,8 +19,8 @@ from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.variants import told_in_headline
 from fem_seal.output.case_words import earlier_load, state_in_words
+from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import phrase
-from fem_seal.output.tables import COLUMNS, in_words
 from fem_seal.seal.findings import Bounds, Level, Validity
 from fem_seal.seal.load_result import highest_load, load_name, load_values
 from fem_seal.seal.scenarios import SCENARIOS

@@ -12,8 +12,9 @@ from sample_results import case, run_loads, smooth_case
 from fem_seal.answers import chain
 from fem_seal.answers.answer import Answer
 from fem_seal.output import shown_answers
+from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.style import Picture, panels, svg
-from fem_seal.output.shown import ReadableTable, Section, Shown
+from fem_seal.output.shown import Section, Shown
 from fem_seal.units import percent
 
 # ---------------------------------------------------------------- as in fem_seal/answers/

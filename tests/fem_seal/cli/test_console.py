@@ -15,7 +15,7 @@ from fem_seal.answers.case_load import CaseLoad
 from fem_seal.cli import app as cli
 from fem_seal.cli import terminal
 from fem_seal.cli.terminal import _cell, show_leak_table, show_leakage
-from fem_seal.output import tables as output_columns
+from fem_seal.output import columns as output_columns
 from fem_seal.seal import findings as caution
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError, LoadResult

@@ -13,16 +13,10 @@ from fem_seal.answers.profile_files import read_profiles
 from fem_seal.cli.terminal import show_leakage
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
+from fem_seal.output.columns import CHECK_ON_TERMINAL, COLUMNS, LEAK_ON_TERMINAL, PROFILE_LEAK_COLUMNS
 from fem_seal.output.report.page import load_table
 from fem_seal.output.report.words import headline
-from fem_seal.output.tables import (
-    CHECK_ON_TERMINAL,
-    COLUMNS,
-    LEAK_ON_TERMINAL,
-    PROFILE_LEAK_COLUMNS,
-    leak_rows,
-    write_profile_csv,
-)
+from fem_seal.output.tables import leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load
 from fem_seal.studies.study import Study
 from fem_seal.units import kind_of, parse_quantity, split_unit, unit_for

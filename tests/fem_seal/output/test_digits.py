@@ -21,10 +21,10 @@ from fem_seal.answers.closed_forms import derive
 from fem_seal.cli import app as cli
 from fem_seal.explore.screen import leak_words, shown_load
 from fem_seal.output.answers.variants import variant_table
+from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.page import comparison_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
-from fem_seal.output.tables import COLUMNS, in_words
 from fem_seal.seal.findings import Bounds, Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem

@@ -12,7 +12,8 @@ from shape_tables import PAIRS, tables
 
 import fem_seal
 from fem_seal.case.case import Case
-from fem_seal.output.tables import LEAK_COLUMNS, PROFILE_COLUMNS, leak_rows, profile_array
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.tables import PROFILE_COLUMNS, leak_rows, profile_array
 from fem_seal.result import SealResult
 
 # Round-off of the input, and what a Newton iteration leaves.

@@ -25,9 +25,10 @@ from fem_seal.cli import app as cli
 from fem_seal.cli.terminal import show_result
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
 from fem_seal.output import files
+from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import load_table, report
-from fem_seal.output.tables import LEAK_COLUMNS, leak_table
+from fem_seal.output.tables import leak_table
 from fem_seal.seal.findings import not_calculated
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import LoadResult, digits_near_opening

@@ -12,7 +12,8 @@ from sample_results import case, rough_result, single_case, single_result, smoot
 import fem_seal
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.case_load import CaseLoad, case_loads
-from fem_seal.output.tables import COLUMNS, LEAK_COLUMNS, leak_rows
+from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
+from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import VALID
 from fem_seal.seal.leak_model import FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult

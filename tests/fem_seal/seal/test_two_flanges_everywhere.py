@@ -21,7 +21,7 @@ from fem_seal.answers.target import contacts_at_target
 from fem_seal.answers.verdict import seal_verdict, with_verdicts
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.live import live_screen
-from fem_seal.output.tables import COLUMNS
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from places import EXAMPLES
 
-from fem_seal.output.tables import LEAK_COLUMNS
+from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.studies import plots
 from fem_seal.studies.designs import unit_points
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities

@@ -21,8 +21,9 @@ from fem_seal import InputError, Study, load_study
 from fem_seal.case.case import FILES, with_files
 from fem_seal.errors import Problem
 from fem_seal.files import own_tables
+from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.folders import folder_lock
-from fem_seal.output.tables import LEAK_COLUMNS, leak_rows
+from fem_seal.output.tables import leak_rows
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal import sources
 from fem_seal.seal.conductivity_tables import family_table

@@ -1,0 +1,523 @@
+"""The columns of leak.csv: what each takes from a load, and its names on the terminal, in the report and in studies.
+
+columns.toml has unit, headings and meaning of each.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.answers.case_load import CaseLoad
+from fem_seal.files import own_tables
+from fem_seal.seal.load_result import MissingLoad
+from fem_seal.seal.scenarios import SCENARIOS, force_column, leak_rate_column
+from fem_seal.units import (
+    DIGITS,
+    LIQUID,
+    LeakVolume,
+    Unit,
+    fixed_unit,
+    format_digits,
+    quantity_worth,
+    split_unit,
+    trim_zeros,
+    unit_for,
+)
+
+if TYPE_CHECKING:
+    from fem_seal.answers.case_load import AnyLoad
+    from leak import LeakResult
+
+
+@dataclass(frozen=True)
+class TerminalColumn:
+    """A number on the terminal, always in the same unit.
+
+    Parameters
+    ----------
+    name : str
+        In leak.csv or in ``check --json``.
+    heading : str
+    shown_in : str
+        Unit, see `fem_seal.units.fixed_unit`.
+    """
+
+    name: str
+    heading: str
+    shown_in: str
+
+    @property
+    def unit(self) -> Unit:
+        """The unit in the system of display."""
+        return fixed_unit(self.shown_in)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of leak.csv, the terminal, the report and studies.
+
+    Parameters
+    ----------
+    name : str
+        Name in the files; it ends in the SI unit.
+    kind : str
+        Kind of quantity, see `fem_seal.units.unit_for`; empty for a plain number.
+    meaning : str
+        Text for the reference of the columns.
+    of : callable
+        Function of a `CaseLoad`: the number in SI, None where nothing was calculated.
+    heading : str
+        Heading in the report, without a unit.
+    title : str
+        Heading on the page of a study; the name in words unless given.
+    short, shown_in : str
+        Heading on the terminal and the unit there, see `fem_seal.units.fixed_unit`.
+    unit_like : str
+        Name of a column with the same unit in the report, so that the two can be compared.
+    spare_digits : int, optional
+        Near opening: significant digits beyond those of the contact force; None if the number does not depend on it.
+    needs : sequence of str
+        Tables of the case without which the column stays empty.
+    most_digits : int
+        Largest number of significant digits.
+    error_of : str
+        Name in `LoadResult.digits_of` of the number with the same error; empty where errors hardly matter.
+    """
+
+    name: str
+    kind: str
+    meaning: str
+    of: Callable[[CaseLoad], float | None]
+    heading: str = ""
+    title: str = ""
+    short: str = ""
+    shown_in: str = ""
+    unit_like: str = ""
+    spare_digits: int | None = None
+    needs: Sequence[str] = ()
+    most_digits: int = DIGITS
+    error_of: str = ""
+
+    @property
+    def unit(self) -> str:
+        """SI unit, empty for a plain number."""
+        return split_unit(self.name)[1]
+
+    @property
+    def words(self) -> str:
+        """Name on the page of a study."""
+        return self.title or split_unit(self.name)[0].replace("_", " ")
+
+    @property
+    def on_terminal(self) -> TerminalColumn:
+        """The column on the terminal."""
+        return TerminalColumn(self.name, self.short, self.shown_in)
+
+    def value(self, load: AnyLoad) -> float | None:
+        """Number of a load in SI, None where nothing was calculated."""
+        return load.given.get(self.name) if isinstance(load, MissingLoad) else self.of(load)
+
+    def number(self, load: AnyLoad) -> float:
+        """The same, NaN where nothing was calculated."""
+        value = self.value(load)
+        return math.nan if value is None else float(value)
+
+    def digits(self, load: AnyLoad) -> int:
+        """Significant digits at a load."""
+        if isinstance(load, MissingLoad):
+            return DIGITS
+        of_force = DIGITS if self.spare_digits is None else load.digits + self.spare_digits
+        of_error = load.digits_of(self.error_of) if self.error_of else DIGITS
+        return min(of_force, of_error, self.most_digits)
+
+
+def _leak_rate_in(scenario: str, load: CaseLoad) -> float | None:
+    read = load.scenario(scenario)
+    return None if read is None else _rate(read.leak)
+
+
+def _force_in(scenario: str, load: CaseLoad) -> float | None:
+    return load.scenarios[scenario].force_for_target if scenario in load.scenarios else None
+
+
+def _critical_separation_in(scenario: str, load: CaseLoad) -> float | None:
+    read = load.scenario(scenario)
+    return None if read is None else read.critical_separation
+
+
+def _rate(leak: LeakResult | None) -> float | None:
+    return None if leak is None else leak.leak_rate
+
+
+def _contact_radius(load: CaseLoad) -> float:
+    profile = load.tightest
+    return float(np.interp(profile.centroid, profile.x, profile.radius))
+
+
+def _knudsen_number(load: CaseLoad) -> float | None:
+    number = None if load.leak is None else load.leak.knudsen_number
+    return number if number is not None and math.isfinite(number) else None
+
+
+def _blow_off_pressure(load: CaseLoad) -> float | None:
+    from leak import CoupledLeakResult
+
+    return (load.leak if isinstance(load.leak, CoupledLeakResult) else load).blow_off_pressure
+
+
+def _plastic_strain(load: CaseLoad) -> float | None:
+    from fem_seal.bodies.fields import ElastoplasticField
+    from fem_seal.contact.load_path import ElastoplasticContact
+
+    contacts = [one.contact for one in load.contact_loads]
+    yielding = [one for one in contacts if isinstance(one, ElastoplasticContact)]
+    fields = [one for contact in yielding for one in contact.fields.values()]
+    strains = [one.accumulated_plastic_strain for one in fields if isinstance(one, ElastoplasticField)]
+    return max((float(strain.max()) for strain in strains), default=None)
+
+
+def _load_steps(load: CaseLoad) -> int | None:
+    return max(getattr(one.contact, "load_steps", 0) for one in load.contact_loads) or None
+
+
+def _interval_end(load: CaseLoad, which: int) -> float | None:
+    """Lower (0) or upper (1) end of the interval of the leak rate [m^3/s]; None without an interval."""
+    ends = load.leak_interval
+    return ends[which] if ends is not None and load.has_interval else None
+
+
+def _per_length(load: CaseLoad, value: float | None) -> float | None:
+    """A number per length of the circle of first touch, of two different faces the mean of both."""
+    radii = [one.contact.model.initial_contact_radius for one in load.contact_loads]
+    return None if value is None else value / (2.0 * math.pi * sum(radii) / len(radii))
+
+
+def _line_load_for_target(load: CaseLoad) -> float | None:
+    force = load.contact_force_for_target
+    return None if force is None else load.contact.model.line_load(force)
+
+
+def _of_bolt(name: str) -> Callable[[CaseLoad], float | None]:
+    return lambda load: getattr(load.bolts, name, None) if isinstance(load, CaseLoad) else None
+
+
+def _preload_end(load: CaseLoad, which: int) -> float | None:
+    """Leak rate at the end of the preload where it is least (0) or largest (-1) [m^3/s]."""
+    return None if load.at_preload_ends is None else load.at_preload_ends[which]
+
+
+def _of_scratches(load: CaseLoad, which: int) -> float | None:
+    around = load.around
+    return None if around is None or around.scratches is None else around.scratches[which]
+
+
+def _of_judged(name: str) -> Callable[[CaseLoad], float | None]:
+    return lambda load: getattr(load, name) if isinstance(load, CaseLoad) else None
+
+
+# Texts of the columns of all tables.
+_SAID = own_tables("columns.toml")
+# Functions of columns whose number is not the property of the load with the name of the column.
+_OF: dict[str, Callable[[CaseLoad], float | None]] = {
+    "contact_radius_m": _contact_radius,
+    "leak_rate_m3_per_s": lambda load: _rate(load.leak),
+    "leak_rate_low_m3_per_s": lambda load: _interval_end(load, 0),
+    "leak_rate_high_m3_per_s": lambda load: _interval_end(load, 1),
+    "leak_rate_kg_per_s": lambda load: getattr(load.leak, "mass_flow", None),
+    "leak_rate_Pa_m3_per_s": lambda load: getattr(load.leak, "throughput", None),
+    "leak_rate_standard_m3_per_s": lambda load: getattr(load.leak, "standard_leak_rate", None),
+    "knudsen_number": _knudsen_number,
+    "lift_off_x_m": lambda load: getattr(load.leak, "lift_off_x", None),
+    "blow_off_pressure_Pa": _blow_off_pressure,
+    "effective_seal_radius_m": lambda load: load.effective_radius,
+    "force_for_target_leak_N": lambda load: load.force_for_target,
+    "max_accumulated_plastic_strain": _plastic_strain,
+    "load_steps": _load_steps,
+    "opening_margin_N": lambda load: None if load.opening is None else load.opening.force,
+    "opening_margin_Pa": lambda load: None if load.opening is None else load.opening.pressure,
+    "opening_margin": lambda load: None if load.opening is None else load.opening.share,
+    "peak_pressure_max_Pa": lambda load: (
+        None if load.circumference is None else float(load.circumference.peak_pressure.max())
+    ),
+    "line_load_min_over_mean": lambda load: (
+        None if load.circumference is None else load.circumference.least_over_mean
+    ),
+    "leak_rate_round_m3_per_s": lambda load: None if load.circumference is None else _rate(load.leak_round),
+    "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
+    "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
+    "line_load_for_target_N_per_m": _line_load_for_target,
+    "leak_rate_per_length_m2_per_s": lambda load: _per_length(load, _rate(load.leak)),
+    "leak_rate_per_length_kg_per_m_s": lambda load: _per_length(load, getattr(load.leak, "mass_flow", None)),
+    "leak_rate_per_length_Pa_m2_per_s": lambda load: _per_length(
+        load, getattr(load.leak, "throughput", None)
+    ),
+    "bolt_preload_N": _of_bolt("preload"),
+    "bolt_torque_N_m": _of_bolt("torque"),
+    "bolt_force_N": _of_bolt("force"),
+    "bolt_stress_Pa": _of_bolt("stress"),
+    "leak_rate_least_preload_m3_per_s": lambda load: _preload_end(load, -1),
+    "leak_rate_largest_preload_m3_per_s": lambda load: _preload_end(load, 0),
+    "bolt_preload_for_target_N": _of_bolt("preload_for_target"),
+    "bolt_torque_for_target_N_m": _of_bolt("torque_for_target"),
+    "bolt_stress_for_target_Pa": _of_bolt("stress_for_target"),
+    "force_for_verdict_N": _of_judged("force_for_verdict"),
+    "margin": _of_judged("margin"),
+    "pass_probability": _of_judged("pass_probability"),
+    "pass_probability_error": _of_judged("pass_probability_error"),
+    "batch_share_p05": _of_judged("batch_share_p05"),
+}
+
+
+_OF |= {leak_rate_column(scenario): partial(_leak_rate_in, scenario) for scenario in SCENARIOS}
+_OF |= {force_column(scenario): partial(_force_in, scenario) for scenario in SCENARIOS}
+_OF |= {
+    f"critical_separation_{scenario}_m": partial(_critical_separation_in, scenario) for scenario in SCENARIOS
+}
+
+
+def _columns() -> Iterator[Column]:
+    for name, said in _SAID["loads"].items():
+        yield from _of_scenarios(before=name)
+        yield Column(name, of=_OF.get(name) or attrgetter(split_unit(name)[0]), **said)
+    yield from _of_scenarios(before="")
+
+
+def _of_scenarios(before: str) -> Iterator[Column]:
+    """Columns of scenarios that stand before another column: leak rates, then the others."""
+    here = {name: words for name, words in SCENARIOS.items() if words.columns and words.before == before}
+    for place in range(max((len(words.columns) for words in here.values()), default=0)):
+        for scenario, words in here.items():
+            for kind in words.columns[place : place + 1]:
+                name = force_column(scenario) if kind == "force" else leak_rate_column(scenario)
+                texts: dict[str, Any] = {
+                    key: text.format(scenario=scenario, words=words) if isinstance(text, str) else text
+                    for key, text in _SAID["of_each"][kind].items()
+                }
+                yield Column(name, of=_OF[name], **texts)
+
+
+# Names of the columns of each table; empty ones are left out.
+SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
+# Of a table in brief.
+MOST_COLUMNS = 6
+COLUMNS = {column.name: column for column in _columns()}
+
+
+def column_named(name: object, columns: Iterable[str]) -> str:
+    """The column that is meant by its name, with or without its SI unit; of several units the first one.
+
+    Parameters
+    ----------
+    name : str
+    columns : iterable of str
+
+    Raises
+    ------
+    KeyError
+        If there is none; it says which are spelled like it.
+
+    Examples
+    --------
+    >>> column_named("leak_rate", LEAK_COLUMNS)
+    'leak_rate_m3_per_s'
+    """
+    full = list(columns)
+    known = {split_unit(one)[0]: one for one in reversed(full)} | {one: one for one in full}
+    if name not in known:
+        near = difflib.get_close_matches(str(name), known, n=3, cutoff=0.5)
+        hint = f"do you mean {' or '.join(near)}? " if near else ""
+        raise KeyError(f'there is no column "{name}"; {hint}.table.columns has all of them')
+    return known[str(name)]
+
+
+def in_full(text: str, taken: Collection[str] = ()) -> str:
+    """A formula with the columns in it that stand there without their SI unit named in full.
+
+    Parameters
+    ----------
+    text : str
+        What stands in quotes stays.
+    taken : collection of str
+        Names that mean something else.
+
+    Examples
+    --------
+    >>> in_full('leak_rate / "1 ml/min" + peak_pressure_Pa')
+    'leak_rate_m3_per_s / "1 ml/min" + peak_pressure_Pa'
+    """
+    known = {split_unit(one)[0]: one for one in reversed(LEAK_COLUMNS)}
+    return _NAME.sub(lambda name: name[0] if name[0] in taken else known.get(name[0], name[0]), text)
+
+
+# Words that are no part of a path such as seat.angle, and no function; quotes as a whole.
+_NAME = re.compile(r"""\"[^"]*\"|'[^']*'|(?<![\w.])[A-Za-z_]\w*(?![\w.(])""")
+
+
+def own_columns(loads: Sequence[CaseLoad]) -> set[str]:
+    """Columns of the theory that the loads themselves use: they repeat the leak rate.
+
+    Parameters
+    ----------
+    loads : sequence of CaseLoad
+    """
+    return {
+        leak_rate_column(name)
+        for name, words in SCENARIOS.items()
+        if words.own_contact and all(load.scenario(name) is load for load in loads)
+    }
+
+
+def in_words(load: CaseLoad, name: str) -> str:
+    """A number of a load for a sentence: with its unit, and no more digits than in the tables.
+
+    Parameters
+    ----------
+    load : CaseLoad
+    name : str
+        Of a column with a kind of quantity.
+    """
+    column = COLUMNS[name]
+    return quantity_worth(column.kind, column.number(load), column.digits(load))
+
+
+LEAK_COLUMNS = tuple(COLUMNS)
+# Columns for the pressure profile of another program.
+PROFILE_LEAK_COLUMNS = (
+    *SHOWN_COLUMNS["of_profiles"],
+    *(leak_rate_column(name) for name, words in SCENARIOS.items() if words.columns),
+)
+
+
+def known_columns(loads: Sequence[AnyLoad]) -> Sequence[str]:
+    """Names of the columns that loads have: of given contacts those that need no bodies.
+
+    Parameters
+    ----------
+    loads : sequence of CaseLoad or MissingLoad
+    """
+    given = any(not isinstance(load, MissingLoad) and load.of_profile for load in loads)
+    return PROFILE_LEAK_COLUMNS if given else LEAK_COLUMNS
+
+
+# Columns of the loads on the terminal.
+LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in SHOWN_COLUMNS["terminal"])
+# Rows of `fem-seal check` for the case as a whole: name and unit by the key in its JSON.
+CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
+# Columns of `fem-seal check` for the loads: those known before a solve, and the closed forms.
+CHECK_ON_TERMINAL = (
+    *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
+    *(TerminalColumn(name, heading, unit) for name, (heading, unit) in _SAID["closed_forms"].items()),
+    *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
+)
+
+
+@dataclass(frozen=True)
+class ReadableTable:
+    """A table of the report.
+
+    Parameters
+    ----------
+    headings : tuple of str
+    rows : tuple of tuple of str
+    """
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class ReportColumn:
+    """A column with its values.
+
+    Parameters
+    ----------
+    column : Column
+    values : list of float or None
+        One per row, SI.
+    digits : list of int
+        Significant digits of the values.
+    volume : LeakVolume
+        State of the leaking volume.
+    given_unit : Unit, optional
+        That for the largest of the values unless given.
+    """
+
+    column: Column
+    values: list[float | None]
+    digits: list[int]
+    volume: LeakVolume = LIQUID
+    given_unit: Unit | None = None
+
+    @property
+    def some(self) -> bool:
+        """Whether any row has a value."""
+        return any(value is not None for value in self.values)
+
+    @property
+    def unit(self) -> Unit:
+        """Unit of all values."""
+        if self.given_unit is not None:
+            return self.given_unit
+        if not self.column.kind:
+            return fixed_unit("")
+        largest = max(abs(value) for value in self.values if value is not None)
+        found = unit_for(self.column.kind, largest)
+        return self.volume.name_unit(found) if self.column.kind == "flow" else found
+
+
+def filled_column(name: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID) -> ReportColumn:
+    """A column of leak.csv with the values of loads, None where nothing is known of them."""
+    column = COLUMNS[name]
+    if name not in known_columns(loads):
+        return ReportColumn(column, [None] * len(loads), [0] * len(loads), volume)
+    return ReportColumn(
+        column, [column.value(load) for load in loads], [column.digits(load) for load in loads], volume
+    )
+
+
+def columns_table(columns: Sequence[ReportColumn], none: str = "none measurable") -> ReadableTable:
+    """Columns side by side, one unit in each, without empty ones.
+
+    Parameters
+    ----------
+    columns : sequence of ReportColumn
+    none : str
+        Word for what is too little to be measured.
+    """
+    shown = [one for one in columns if one.some]
+    own = {one.column.name: one.unit for one in shown}
+    units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
+    return ReadableTable(
+        tuple(
+            f"{one.column.heading} [{unit.name}]" if unit.name else one.column.heading
+            for one, unit in zip(shown, units, strict=True)
+        ),
+        tuple(
+            tuple(_cell(one, unit, n, none) for one, unit in zip(shown, units, strict=True))
+            for n in range(len(columns[0].values))
+        ),
+    )
+
+
+def _cell(column: ReportColumn, unit: Unit, n: int, none: str) -> str:
+    value = column.values[n]
+    if value is None:
+        return "–"
+    if column.column.name == "fluid_pressure_Pa":
+        return trim_zeros(unit.of(value))
+    if column.column.kind == "flow" and value and not column.volume.measurable(value):
+        return none
+    return format_digits(unit.of(value), column.digits[n])
