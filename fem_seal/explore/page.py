@@ -541,9 +541,9 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
 def _files(app: Dash, answers: Answers, folder: Path) -> None:
     reports: list[Path] = []
     on_change = partial(register_callback, app, prevent_initial_call=True)
-    form = State("name", "value"), State("present", "data")
+    states = State("name", "value"), State("present", "data")
 
-    @on_change(Output("said", "children"), Input("write", "n_clicks"), *form)
+    @on_change(Output("said", "children"), Input("write", "n_clicks"), *states)
     def write(_: Any, name: Any, sent: Any) -> str:
         present = validate(PageRequest, sent, "present")
         session = _session(answers, present.design)
@@ -556,7 +556,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
         return f"Written: {path}. It runs with: fem-seal run {path.name}. {not_taken}".strip()
 
-    @on_change(Output("download", "data"), Input("take-away", "n_clicks"), *form)
+    @on_change(Output("download", "data"), Input("take-away", "n_clicks"), *states)
     def take_away(_: Any, name: Any, sent: Any) -> Any:
         present = validate(PageRequest, sent, "present")
         text = case_text(_session(answers, present.design).case(present.design).written, folder)
@@ -564,7 +564,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
 
     said = Output("report-said", "children", allow_duplicate=True)
 
-    @on_change(Output("report-folder", "data"), said, Input("report", "n_clicks"), *form)
+    @on_change(Output("report-folder", "data"), said, Input("report", "n_clicks"), *states)
     def report(_: Any, name: Any, sent: Any) -> Any:
         present = validate(PageRequest, sent, "present")
         session = _session(answers, present.design)
