@@ -98,14 +98,14 @@ class SealResult(SealSolution):
     def __repr__(self) -> str:
         from fem_seal.output.notebook import result_text
 
-        with shown_in(*self.case.shown):
+        with shown_in(*self.case.display_units):
             return f"<{type(self).__name__} of {result_text(self)}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of the loads, leak rates and pressure profiles."""
         from fem_seal.output.notebook import result_html
 
-        with shown_in(*self.case.shown):
+        with shown_in(*self.case.display_units):
             return result_html(self)
 
     def __dir__(self) -> list[str]:
@@ -151,7 +151,7 @@ class SealResult(SealSolution):
         from fem_seal.output.files import write
         from fem_seal.output.folders import folder_lock
 
-        with folder_lock(Path(folder)), returned_memory(), shown_in(*self.case.shown):
+        with folder_lock(Path(folder)), returned_memory(), shown_in(*self.case.display_units):
             for failure in write(self, Path(folder)):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -171,7 +171,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.report.page import write_report
 
-        with returned_memory(), shown_in(*self.case.shown):
+        with returned_memory(), shown_in(*self.case.display_units):
             return write_report(self, Path(path))
 
     @overload
@@ -226,7 +226,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.plots import plot, result_figure
 
-        with shown_in(*self.case.shown):
+        with shown_in(*self.case.display_units):
             if ax is None and (what is None or not isinstance(what, str)):
                 return result_figure(self, what or figure)
             return plot(self, what if isinstance(what, str) else None, ax)
@@ -260,7 +260,7 @@ class SealResult(SealSolution):
 
         from fem_seal.output.pictures.three_d import view, write_for_view
 
-        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(*self.case.shown):
+        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(*self.case.display_units):
             write_for_view(self, Path(folder))
             view(Path(folder), None if png is None else Path(png), load)
 
@@ -321,7 +321,7 @@ def run(
     192 MPa
     """
     case = case_of(case)
-    with returned_memory(), shown_in(*case.shown):
+    with returned_memory(), shown_in(*case.display_units):
         solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
@@ -354,13 +354,13 @@ def calibrate(
     (9.6e-07, 1.1e-06, 1.3e-06)
     """
     from fem_seal.answers import calibration
-    from fem_seal.case.measured import measured_in, read_measured
+    from fem_seal.case.measured import read_measured, read_measured_text
 
     case = case_of(case)
     if isinstance(measured, (str, os.PathLike)):
         readings = read_measured(case, Path(measured))
     else:
-        readings = measured_in(case, measured.to_csv(index=False))
+        readings = read_measured_text(case, measured.to_csv(index=False))
     with returned_memory():
         return calibration.calibrate(case, readings, progress or (lambda text: None))
 

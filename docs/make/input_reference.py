@@ -255,12 +255,12 @@ def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
         if isinstance(marker, (Quantity, Number, Place)):
             return marker.range
         if isinstance(marker, Several):
-            return marker.one.range
+            return marker.element.range
     return ""
 
 
 def _default(table: type[Table], name: str, field: FieldInfo) -> str:
-    default = key_of(table, name).written or field.default
+    default = key_of(table, name).default or field.default
     if field.is_required() or default in (None, "", ()):
         return ""
     return f"`{toml(list(default) if isinstance(default, tuple) else default)}`"

@@ -16,7 +16,7 @@ import leak
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case, CaseSource, case_of
-from fem_seal.case.checks import MOST_TURNED, turning
+from fem_seal.case.checks import MOST_TURNED, turning_angle
 from fem_seal.case.material_table import CURVES, library_name
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
@@ -488,7 +488,7 @@ def _with_curve(problem: SealProblem, name: str, material: Material, limit: floa
     of_library = CURVES.get(library_name(material.name) or "")
     curve = HardeningCurve((0.0,), (limit,)) if of_library is None else of_library.hardening
     strongest = max(curve.stress[-1], (material.hardness or 0.0) / HARDNESS_OVER_YIELD_STRESS)
-    turned = turning(problem.contact, plastic_half_width(line_load, strongest))
+    turned = turning_angle(problem.contact, plastic_half_width(line_load, strongest))
     if turned > MOST_TURNED:
         return sentence("foreseen", "too_large", turned=turned)
     yields = replace(material, hardening=curve, yield_stress=None, over_temperature=())

@@ -35,14 +35,14 @@ class BoltsTable(Table):
 
     @model_validator(mode="after")
     def _consistent(self) -> BoltsTable:
-        known = self.size is not None and nominal_diameter(self.size) is not None
+        has_diameter = self.size is not None and nominal_diameter(self.size) is not None
         if (self.torque is None) == (self.preload is None):
             raise wrong("bolts_preload")
-        if self.size is not None and not known:
+        if self.size is not None and not has_diameter:
             raise wrong("bolts_size", size=self.size)
         if self.stress_area is None and self._thread not in STRESS_AREAS:
             raise wrong("bolts_area", known=", ".join(STRESS_AREAS))
-        if self.torque is not None and not known:
+        if self.torque is not None and not has_diameter:
             raise wrong("bolts_diameter")
         if self.material is None and self.youngs_modulus is None:
             raise wrong("bolts_modulus")
@@ -66,10 +66,10 @@ class BoltsTable(Table):
     @property
     def preloads(self) -> tuple[float, ...]:
         """Preload of all bolts together, one or one for each load [N]."""
-        given = self.preload if self.torque is None else self.torque
-        each: tuple[Any, ...] = given if isinstance(given, tuple) else (given,)
+        tightening = self.preload if self.torque is None else self.torque
+        each: tuple[Any, ...] = tightening if isinstance(tightening, tuple) else (tightening,)
         if self.torque is not None:
             diameter = nominal_diameter(self.size or "")
             assert diameter is not None  # of the validation
-            each = tuple(preload_of_torque(one, self.nut_factor, diameter) for one in each)
-        return tuple(self.number * one for one in each)
+            each = tuple(preload_of_torque(torque, self.nut_factor, diameter) for torque in each)
+        return tuple(self.number * preload for preload in each)

@@ -20,7 +20,7 @@ from fem_seal.case import shapes
 from fem_seal.case.checks import contradictions, of_unlike_flanges
 from fem_seal.case.fields import quantities_of
 from fem_seal.case.material_table import as_table, library_table
-from fem_seal.case.messages import missing, problems
+from fem_seal.case.messages import missing_key, problems
 from fem_seal.case.notation import (
     as_differences,
     as_gauge,
@@ -36,7 +36,7 @@ from fem_seal.case.notation import (
 from fem_seal.case.roughness import roughness_like
 from fem_seal.case.tables import CaseTables, Uncertainty
 from fem_seal.case.temperature import with_film_temperature
-from fem_seal.case.tightening import closed_by
+from fem_seal.case.tightening import apply_preloads
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml, write_text
@@ -47,9 +47,9 @@ from meshes import ContactGeometry, GeometryError, Shape
 # Key of a problem with the upper flange, its face, or both bodies: in the lower half that is the lower flange.
 _LOWER = re.compile(r"^(roughness\.|)(?:closure(?=\.|$)|gasket$)")
 # Tables that are quickly read, and depend on others: temperature, outlet of the fluid, bolts, circle of first touch.
-_READ_ANEW = {"fluid", "load", "requirement"}
+_DEPENDENT_TABLES = {"fluid", "load", "requirement"}
 # What completion offers besides the tables.
-_SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
+_NAMES = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class CaseBody:
         return "seat" if self.label == "lower flange" else self.case.key_of(self.name)
 
     @property
-    def table(self) -> shapes.Closure | shapes.Held | shapes.Gasket:
+    def table(self) -> shapes.Closure | shapes.HeldSeat | shapes.Gasket:
         """What stands there."""
         return self.case.table_of(self.name)
 
@@ -132,9 +132,9 @@ class Case(CaseTables):
     _lower_half: Case | None = PrivateAttr(default=None)
 
     def __init__(self, /, **tables: Any) -> None:
-        self._read_alone(_tables_with_units(tables, of_gasket=tables.get("gasket") is not None))
+        self._read_tables(_tables_with_units(tables, of_gasket=tables.get("gasket") is not None))
 
-    def _read_alone(self, tables: dict[str, Any]) -> None:
+    def _read_tables(self, tables: dict[str, Any]) -> None:
         self._read(tables, None)
         self._input = copy.deepcopy(tables)
 
@@ -151,63 +151,63 @@ class Case(CaseTables):
         return f"<pre>{escape(str(self))}</pre>"
 
     def __dir__(self) -> list[str]:
-        return sorted(CaseTables.model_fields.keys() | _SHOWN)
+        return sorted(CaseTables.model_fields.keys() | _NAMES)
 
     def _read(self, tables: dict[str, Any], like: Case | None) -> None:
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
-        before = {} if like is None else like._input
-        known = {name for name, table in tables.items() if name in before and before[name] is table}
-        known -= _READ_ANEW
+        old_tables = {} if like is None else like._input
+        same = {name for name, table in tables.items() if name in old_tables and old_tables[name] is table}
+        same -= _DEPENDENT_TABLES
         of_gasket = tables.get("gasket") is not None
         if of_gasket:
             # [seat] is then the lower flange, and no seat; its face stands in [roughness]
-            known -= {"seat", "roughness"}
-        written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
-        written, without = as_differences(written, tables.get("fluid"))
-        wrong += without
-        bolted, given = tables.get("bolts"), tables.get("load")
-        if bolted is not None and isinstance(given, Mapping) and given.get("applied_force") is not None:
+            same -= {"seat", "roughness"}
+        new, wrong = _in_keys({name: table for name, table in tables.items() if name not in same})
+        new, fluid_problems = as_differences(new, tables.get("fluid"))
+        wrong += fluid_problems
+        bolts, load = tables.get("bolts"), tables.get("load")
+        if bolts is not None and isinstance(load, Mapping) and load.get("applied_force") is not None:
             wrong.append(problem("bolts_and_force"))
         if of_gasket:
             # a table of its own is that of another face, see `_lower_half`
-            written.pop("seat", None)
-            if isinstance(rough := written.get("roughness"), Mapping) and {"closure", "seat"} <= rough.keys():
-                written["roughness"] = {key: one for key, one in rough.items() if key != "seat"}
+            new.pop("seat", None)
+            if isinstance(rough := new.get("roughness"), Mapping) and {"closure", "seat"} <= rough.keys():
+                new["roughness"] = {key: finish for key, finish in rough.items() if key != "seat"}
         if not of_gasket and tables.get("seat") is None:
-            wrong.append(missing(CaseTables, "seat"))
-        if "fluid" in written and tables.get("temperature") is not None:
-            written["fluid"] = with_film_temperature(written["fluid"], tables["temperature"])
+            wrong.append(missing_key(CaseTables, "seat"))
+        if "fluid" in new and tables.get("temperature") is not None:
+            new["fluid"] = with_film_temperature(new["fluid"], tables["temperature"])
         try:
-            super().__init__(**{**written, **{name: getattr(like, name) for name in known}})
+            super().__init__(**{**new, **{name: getattr(like, name) for name in same}})
         except ValidationError as error:
-            known_keys = {one.key for one in wrong}
-            found = (as_gauge(one, tables) for one in problems(error, type(self)))
-            raise InputError(*wrong, *(one for one in found if one.key not in known_keys)) from None
+            known_keys = {fault.key for fault in wrong}
+            faults = (as_gauge(fault, tables) for fault in problems(error, type(self)))
+            raise InputError(*wrong, *(fault for fault in faults if fault.key not in known_keys)) from None
         if wrong:
             raise InputError(*wrong)
-        if like is not None and ({"closure", self.key_of("seat")} <= known or self._of_the_shape_of(like)):
+        if like is not None and ({"closure", self.key_of("seat")} <= same or self._of_the_shape_of(like)):
             self._take_bodies(like)
         if self.bolts is not None:
             # set during construction, before the model is shared
-            object.__setattr__(self, "load", closed_by(self.load, self.bolts))
+            object.__setattr__(self, "load", apply_preloads(self.load, self.bolts))
         if self.load.set_pressure is not None and not [*self.closure.problems(), *self.lower.problems()]:
             with suppress(GeometryError):  # which the checks say
                 object.__setattr__(self, "load", self.load.with_spring(self.initial_contact_radius))
-        told, not_told = self.of_this_gas()
-        if not_told:
-            raise InputError(*not_told)
+        volumes, volume_faults = self.of_this_gas()
+        if volume_faults:
+            raise InputError(*volume_faults)
         heat = self.temperature
         warm = [
             ROOM_TEMPERATURE if heat is None else heat.of_body(name) or ROOM_TEMPERATURE
             for name in ("closure", "seat")
         ]
-        for name, table in {**told, **self.bodies_at(*warm)}.items():
+        for name, table in {**volumes, **self.bodies_at(*warm)}.items():
             # set during construction, before the model is shared
             object.__setattr__(self, name, table)
-        contradicting = [as_written(one, tables) for one in contradictions(self)]
-        if contradicting:
-            none_left = all(isinstance(one, LoadProblem) for one in contradicting)
-            raise (NoLoadLeftError if none_left else InputError)(*contradicting)
+        conflicts = [as_written(conflict, tables) for conflict in contradictions(self)]
+        if conflicts:
+            none_left = all(isinstance(conflict, LoadProblem) for conflict in conflicts)
+            raise (NoLoadLeftError if none_left else InputError)(*conflicts)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
         self._input = tables
         if of_gasket:
@@ -216,26 +216,28 @@ class Case(CaseTables):
     def _of_lower_flange(self, tables: Mapping[str, Any]) -> Case | None:
         """The case with the lower flange on both faces of the gasket; None where it is like the upper one."""
         flange, rough = tables.get("seat"), tables.get("roughness")
-        own = rough.get("seat") if isinstance(rough, Mapping) else None
-        if flange is None and own is None:
+        finish = rough.get("seat") if isinstance(rough, Mapping) else None
+        if flange is None and finish is None:
             return None
         # what is required is required of both faces together
-        alike = {name: table for name, table in tables.items() if name not in ("seat", "requirement")}
+        new = {name: table for name, table in tables.items() if name not in ("seat", "requirement")}
         if flange is not None:
-            alike["closure"] = flange
-        if own is not None and rough is not None:
-            alike["roughness"] = {key: one for key, one in rough.items() if key != "seat"} | {"closure": own}
+            new["closure"] = flange
+        if finish is not None and rough is not None:
+            new["roughness"] = {key: value for key, value in rough.items() if key != "seat"} | {
+                "closure": finish
+            }
         lower = Case.__new__(Case)
         try:
-            lower._read_alone(alike)
+            lower._read_tables(new)
         except InputError as error:
             raise type(error)(
-                *(replace(one, key=_LOWER.sub(r"\1seat", one.key)) for one in error.problems)
+                *(replace(fault, key=_LOWER.sub(r"\1seat", fault.key)) for fault in error.problems)
             ) from None
         if lower.closure == self.closure and lower.roughness == self.roughness:
             return None
-        if found := list(of_unlike_flanges(self)):
-            raise InputError(*(as_written(one, tables) for one in found))
+        if conflicts := list(of_unlike_flanges(self)):
+            raise InputError(*(as_written(conflict, tables) for conflict in conflicts))
         for half, label in ((self, "upper flange"), (lower, "lower flange")):
             half._flange = label
             # it is made anew where it is asked for, with this label
@@ -259,29 +261,29 @@ class Case(CaseTables):
         """Bodies in first touch, of a gasket on each face that differs."""
         return tuple(half.contact for half in self.halves)
 
-    def written_at(self, key: str) -> object:
+    def written_entry(self, key: str) -> object:
         """What stands at a key of the case file, such as "requirement.leak_rate"; None where nothing does."""
         table, name = key.split(".")
-        found = self._input.get(table)
-        return found.get(name) if isinstance(found, Mapping) else None
+        entries = self._input.get(table)
+        return entries.get(name) if isinstance(entries, Mapping) else None
 
     @property
     def sampled(self) -> Uncertainty | None:
         """What is uncertain, of a lower flange of its own as well; None if nothing is."""
-        found = super().sampled
-        return found if found is not None or self._lower_half is None else self._lower_half.sampled
+        settings = super().sampled
+        return settings if settings is not None or self._lower_half is None else self._lower_half.sampled
 
     def without_loads(self, numbers: Collection[int]) -> Self:
         """The same without some of its loads; at least one must be left."""
-        found = super().without_loads(numbers)
+        case = super().without_loads(numbers)
         if numbers and self._lower_half is not None:
-            found._lower_half = self._lower_half.without_loads(numbers)
-        return found
+            case._lower_half = self._lower_half.without_loads(numbers)
+        return case
 
     def in_diameters(self, name: str) -> bool:
         """Whether the case writes dimensions of a body, "closure" or "seat", as diameters."""
-        written = self._input.get(self.key_of(name))
-        return isinstance(written, Mapping) and any(key.endswith("diameter") for key in written)
+        entries = self._input.get(self.key_of(name))
+        return isinstance(entries, Mapping) and any(key.endswith("diameter") for key in entries)
 
     @property
     def written(self) -> dict[str, Any]:
@@ -324,10 +326,10 @@ class Case(CaseTables):
         >>> case.replace({"closure.radius": 0.025, "load.fluid_pressure": ["1 bar", 5e5]}).load.fluid_pressure
         (100000.0, 500000.0)
         """
-        changed = _change_tables(self._with(changes or {}), copy.deepcopy(tables))
-        new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
-        of_gasket = changed.get("gasket") is not None
-        return self._checked({**changed, **_tables_with_units(new, of_gasket=of_gasket)})
+        result = _change_tables(self._with(changes or {}), copy.deepcopy(tables))
+        new = {name: table for name, table in result.items() if table is not self._input.get(name)}
+        of_gasket = result.get("gasket") is not None
+        return self._check_tables({**result, **_tables_with_units(new, of_gasket=of_gasket)})
 
     def replace_written(self, changes: Mapping[str, Any]) -> Case:
         """The same with entries as they stand in a file, where a quantity without a unit is an error.
@@ -342,16 +344,16 @@ class Case(CaseTables):
         InputError
             If the changed case is wrong.
         """
-        return self._checked(self._with(changes))
+        return self._check_tables(self._with(changes))
 
     def _with(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The tables as they were given, with entries changed at dotted keys."""
-        kept = {key: value for key, value in changes.items() if value is not None}
-        twice = said_twice(list(kept))
+        new_entries = {key: value for key, value in changes.items() if value is not None}
+        twice = said_twice(list(new_entries))
         if twice:
             raise InputError.at(twice[1], f"is {twice[0]} in other words; give one of them")
-        changed = self._input
-        entries = {same_entry(str(key)) for key in kept}
+        new_tables = self._input
+        entries = {same_entry(str(key)) for key in new_entries}
         # what is set in one word is not removed in the other
         changes = {
             key: value
@@ -359,10 +361,10 @@ class Case(CaseTables):
             if value is not None or same_entry(str(key)) not in entries
         }
         for key, value in copy.deepcopy(dict(changes)).items():
-            changed = _change_tables(changed, _nest_value(changed, str(key).split("."), value))
-        return changed
+            new_tables = _change_tables(new_tables, _nest_value(new_tables, str(key).split("."), value))
+        return new_tables
 
-    def _checked(self, tables: dict[str, Any]) -> Case:
+    def _check_tables(self, tables: dict[str, Any]) -> Case:
         case = Case.__new__(Case)
         try:
             case._read(tables, self)
@@ -410,7 +412,7 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
         return _read_case(source)
     path = Path(source)
     folder = path.absolute().parent
-    tables = with_files(read_toml(path, "case"), lambda named: str(folder / named))
+    tables = with_files(read_toml(path, "case"), lambda name: str(folder / name))
     tables.setdefault("title", path.stem)
     _place_results(tables, path)
     try:
@@ -424,7 +426,7 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
 def _read_case(tables: Mapping[str, Any]) -> Case:
     """A case of the tables of a file, where a quantity without a unit is an error."""
     case = Case.__new__(Case)
-    case._read_alone(dict(tables))
+    case._read_tables(dict(tables))
     return case
 
 
@@ -452,10 +454,10 @@ def case_of(source: CaseSource) -> Case:
 
 def _place_results(tables: dict[str, Any], path: Path) -> None:
     """Name the folders of results after the case file, where it names none itself."""
-    for name, given in (("output", tables.setdefault("output", {})), ("direct", tables.get("direct"))):
+    for name, table in (("output", tables.setdefault("output", {})), ("direct", tables.get("direct"))):
         ending = "out" if name == "output" else name
-        if isinstance(given, dict) and isinstance(given.get("folder", ""), str):
-            given["folder"] = str(path.absolute().parent / given.get("folder", f"{path.stem}.{ending}"))
+        if isinstance(table, dict) and isinstance(table.get("folder", ""), str):
+            table["folder"] = str(path.absolute().parent / table.get("folder", f"{path.stem}.{ending}"))
 
 
 def _named_files(entry: Any, name: str = "") -> Iterator[str]:
@@ -473,67 +475,67 @@ def _change_tables(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, 
     """All tables of a case with changes merged in."""
     if "roughness" not in new:
         return _merge_tables(tables, new)
-    prepared, change = roughness_like(tables.get("roughness"), new["roughness"])
-    before = tables if prepared is tables.get("roughness") else {**tables, "roughness": prepared}
-    return _merge_tables(before, {**new, "roughness": change})
+    roughness, change = roughness_like(tables.get("roughness"), new["roughness"])
+    old_tables = tables if roughness is tables.get("roughness") else {**tables, "roughness": roughness}
+    return _merge_tables(old_tables, {**new, "roughness": change})
 
 
 def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     """Tables with keys in place of the drawing's words, and what is wrong with these."""
-    written, wrong = dict(tables), []
+    new_tables, wrong = dict(tables), []
     for body in ("closure", "seat", "gasket"):
         if isinstance(entries := tables.get(body), Mapping):
-            written[body], found = _shape_in_keys(body, CaseTables.model_fields[body], entries)
-            wrong.extend(found)
-    return written, wrong
+            new_tables[body], faults = _shape_in_keys(body, CaseTables.model_fields[body], entries)
+            wrong.extend(faults)
+    return new_tables, wrong
 
 
 def _shape_in_keys(
     path: str, field: FieldInfo, entries: Mapping[str, Any]
 ) -> tuple[Mapping[str, Any], list[Problem]]:
     """A table with a shape, and the shapes in its lists, such as the lands of a seat."""
-    shaped = [one for one in tables_of(field) if "shape" in one.model_fields]
-    meant = next((one for one in shaped if entries.get("shape") in choices(one, "shape")), None)
-    if meant is None:
+    shape_tables = [table for table in tables_of(field) if "shape" in table.model_fields]
+    chosen = next((table for table in shape_tables if entries.get("shape") in choices(table, "shape")), None)
+    if chosen is None:
         return entries, []
-    found, wrong = in_keys(path, meant, entries)
-    for key, listed in found.items():
-        if key not in meant.model_fields or not isinstance(listed, list | tuple):
+    new_entries, wrong = in_keys(path, chosen, entries)
+    for key, value in new_entries.items():
+        if key not in chosen.model_fields or not isinstance(value, list | tuple):
             continue
-        found[key] = [*listed]
-        for number, one in enumerate(listed):
-            if isinstance(one, Mapping):
+        new_entries[key] = [*value]
+        for number, entry in enumerate(value):
+            if isinstance(entry, Mapping):
                 place = f"{path}.{key}[{number + 1}]"
-                found[key][number], more = _shape_in_keys(place, meant.model_fields[key], one)
-                wrong += more
-    return found, wrong
+                new_entries[key][number], faults = _shape_in_keys(place, chosen.model_fields[key], entry)
+                wrong += faults
+    return new_entries, wrong
 
 
 def _merge_tables(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     """A new table; entries without a change are the very ones of the old table."""
-    merged = dict(old)
+    new_table = dict(old)
     for key, value in new.items():
-        before = merged.get(key)
-        other = partner(key)
-        if other is not None and new.get(other) is None:
-            merged.pop(other, None)
+        old_value = new_table.get(key)
+        partner_key = partner(key)
+        if partner_key is not None and new.get(partner_key) is None:
+            new_table.pop(partner_key, None)
         if value is None:
-            merged.pop(key, None)
+            new_table.pop(key, None)
         elif isinstance(value, Mapping):
-            same = isinstance(before, dict) and all(
-                value.get(k, before.get(k)) == before.get(k) for k in ("shape", "kind")
+            same = isinstance(old_value, dict) and all(
+                value.get(k, old_value.get(k)) == old_value.get(k) for k in ("shape", "kind")
             )
             whole = "name" in value or {"youngs_modulus", "poissons_ratio"} <= value.keys()
-            if key == "material" and isinstance(before, str) and not whole:
+            if key == "material" and isinstance(old_value, str) and not whole:
                 # some numbers of a material that stands there by its name
-                before, same = library_table(before), True
-            merged[key] = _merge_tables(before if same and before else {}, value)
+                old_value, same = library_table(old_value), True
+            new_table[key] = _merge_tables(old_value if same and old_value else {}, value)
         else:
-            merged[key] = value
-    return merged
+            new_table[key] = value
+    return new_table
 
 
-def _nest_value(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] = ()) -> Any:
+def _nest_value(old: Any, path: Sequence[str], value: Any, parents: tuple[str, ...] = ()) -> Any:
     """A value at a dotted key as nested tables; where the key leads into a list, the list with that entry changed.
 
     Parameters
@@ -542,7 +544,7 @@ def _nest_value(old: Any, path: Sequence[str], value: Any, before: tuple[str, ..
         What stands there before.
     path : sequence of str
         What is left of the key.
-    before : tuple of str
+    parents : tuple of str
         The part of the key that led here.
 
     Raises
@@ -553,22 +555,22 @@ def _nest_value(old: Any, path: Sequence[str], value: Any, before: tuple[str, ..
     if not path:
         return value
     key, *rest = path
-    here = ".".join(before)
+    place = ".".join(parents)
     if not isinstance(old, (list, tuple)):
-        if key.isdecimal() and before:
+        if key.isdecimal() and parents:
             raise InputError.at(
-                f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it"
+                f"{place}.{key}", f"{place} is no list whose entries could be changed; give all of it"
             )
-        inside = old.get(key) if isinstance(old, Mapping) else None
-        return {key: _nest_value(inside, rest, value, (*before, key))}
+        old_value = old.get(key) if isinstance(old, Mapping) else None
+        return {key: _nest_value(old_value, rest, value, (*parents, key))}
     if not key.isdecimal() or int(key) >= len(old):
         few = {0: "it is empty", 1: "0 is its only entry"}
         numbers = few.get(len(old), f"it has 0 to {len(old) - 1}")
         raise InputError.at(
-            f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}"
+            f"{place}.{key}", f"{place} is a list, entries are named by their number: {numbers}"
         )
     number = int(key)
-    entry = _nest_value(old[number], rest, value, (*before, key))
+    entry = _nest_value(old[number], rest, value, (*parents, key))
     if isinstance(entry, Mapping) and isinstance(old[number], dict):
         entry = _merge_tables(old[number], entry)
     return [*old[:number], *([] if entry is None else [entry]), *old[number + 1 :]]
@@ -593,7 +595,7 @@ def with_units(table: type[BaseModel], entries: Mapping[str, Any]) -> dict[str, 
     """
     fields, words = table.model_fields, words_of(table)
     return {
-        key: _written(value, DIMENSIONS[words[key].marker.dimension].si_unit)
+        key: _add_unit(value, DIMENSIONS[words[key].marker.dimension].si_unit)
         if key in words
         else _entry_with_units(fields[key], value)
         if key in fields
@@ -603,24 +605,24 @@ def with_units(table: type[BaseModel], entries: Mapping[str, Any]) -> dict[str, 
 
 
 def _tables_with_units(tables: Mapping[str, Any], *, of_gasket: bool) -> dict[str, Any]:
-    found = with_units(CaseTables, tables)
-    if of_gasket and "seat" in found:
+    new_tables = with_units(CaseTables, tables)
+    if of_gasket and "seat" in new_tables:
         # the lower flange, which has the shapes of the upper one
-        found["seat"] = _entry_with_units(CaseTables.model_fields["closure"], tables["seat"])
-    return found
+        new_tables["seat"] = _entry_with_units(CaseTables.model_fields["closure"], tables["seat"])
+    return new_tables
 
 
 def _entry_with_units(field: FieldInfo, value: Any) -> Any:
     quantity = next(quantities_of(field), None)
     if quantity is not None:
-        return _written(value, DIMENSIONS[quantity.dimension].si_unit)
+        return _add_unit(value, DIMENSIONS[quantity.dimension].si_unit)
     if isinstance(value, (list, tuple)):
-        return [_entry_with_units(field, one) for one in value]
+        return [_entry_with_units(field, entry) for entry in value]
     if isinstance(value, Mapping):
-        fitting = [table for table in tables_of(field) if _is_meant(table, value)]
+        kinds = [table for table in tables_of(field) if _is_meant(table, value)]
         # a kind that is not written is known by the keys that go with it
-        fitting.sort(key=lambda table: len(set(value) - set(table.model_fields)))
-        return with_units(fitting[0], value) if fitting else value
+        kinds.sort(key=lambda table: len(set(value) - set(table.model_fields)))
+        return with_units(kinds[0], value) if kinds else value
     return value
 
 
@@ -633,17 +635,17 @@ def _is_meant(table: type[BaseModel], entries: Mapping[str, Any]) -> bool:
     )
 
 
-def _written(value: Any, unit: str) -> Any:
+def _add_unit(value: Any, unit: str) -> Any:
     if isinstance(value, bool):
         return value
     if isinstance(value, float) or (isinstance(value, int) and abs(value) < 10**300):
         return f"{float(value)!r} {unit}"
     if hasattr(value, "tolist"):  # an array, or a number out of one
-        return _written(value.tolist(), unit)
+        return _add_unit(value.tolist(), unit)
     if isinstance(value, (list, tuple)):
-        return [_written(one, unit) for one in value]
+        return [_add_unit(entry, unit) for entry in value]
     if isinstance(value, Mapping):  # a range
-        return {key: _written(one, unit) if key in ("start", "stop") else one for key, one in value.items()}
+        return {key: _add_unit(end, unit) if key in ("start", "stop") else end for key, end in value.items()}
     return value
 
 
@@ -706,7 +708,7 @@ def case_text(tables: Mapping[str, Any], folder: Path, remark: str = "") -> str:
     remark : str
         First line, a comment.
     """
-    tables = {name: one for name, one in tables.items() if name != "output" and one is not None}
+    tables = {name: table for name, table in tables.items() if name != "output" and table is not None}
     lines = [f"# {line}" for line in remark.splitlines()]
     plain = {key: value for key, value in tables.items() if not isinstance(value, Mapping)}
     lines += [f"{_key(key)} = {_value(value, key, folder)}" for key, value in plain.items()]
@@ -732,11 +734,11 @@ def _value(value: Any, key: str, folder: Path) -> str:
     if isinstance(value, Mapping):
         return (
             "{ "
-            + ", ".join(f"{_key(k)} = {_value(one, k, folder)}" for k, one in _given_entries(value))
+            + ", ".join(f"{_key(k)} = {_value(entry, k, folder)}" for k, entry in _given_entries(value))
             + " }"
         )
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_value(one, key, folder) for one in value) + "]"
+        return "[" + ", ".join(_value(entry, key, folder) for entry in value) + "]"
     if isinstance(value, (bool, int, float)):
         return json.dumps(value)
     text = str(value)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, shown
+from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, show
 from fem_seal.case.material_table import suggestion
 from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
 from fem_seal.case.shapes import FlangeFace
@@ -79,25 +79,25 @@ def _direct(case: CaseTables) -> Iterator[Problem]:
     if case.direct is None:
         yield problem("direct_missing")
     if case.fluid is not None and case.fluid.gas is not None:
-        yield problem("direct_gas", fluid=shown(case.fluid.name))
+        yield problem("direct_gas", fluid=show(case.fluid.name))
     if case.uncertainty is not None:
         yield problem("direct_uncertainty")
 
 
 def _asperities(case: CaseTables) -> Iterator[Problem]:
     """What yields in a simulation, and whether it can."""
-    given = case.direct
-    if given is None:
+    direct = case.direct
+    if direct is None:
         return
-    if given.yield_stress is not None and given.asperities != "von-mises":
-        yield problem("direct_yield_stress", stress=given.yield_stress / 1e6)
-    if given.asperities in (None, "elastic"):
+    if direct.yield_stress is not None and direct.asperities != "von-mises":
+        yield problem("direct_yield_stress", stress=direct.yield_stress / 1e6)
+    if direct.asperities in (None, "elastic"):
         return
-    if case.hardness is None and (given.asperities == "capped" or given.yield_stress is None):
-        needs = "a hardness" + (" or direct.yield_stress" if given.asperities == "von-mises" else "")
-        yield problem("direct_hardness", needs=needs, asperities=given.asperities)
+    if case.hardness is None and (direct.asperities == "capped" or direct.yield_stress is None):
+        needs = "a hardness" + (" or direct.yield_stress" if direct.asperities == "von-mises" else "")
+        yield problem("direct_hardness", needs=needs, asperities=direct.asperities)
     elif case.hardness is not None and not case.leak.plasticity:
-        yield problem("direct_elastic", asperities=given.asperities)
+        yield problem("direct_elastic", asperities=direct.asperities)
 
 
 def _bodies(case: CaseTables) -> Iterator[Problem]:
@@ -125,39 +125,39 @@ def _meets_beside(case: CaseTables) -> Iterator[Problem]:
     height = case.faces * (seat.extent[1][1] - seat.extent[1][0])
     if case.gasket is not None and case.gasket.stop is not None and case.gasket.stop > height / 2:
         yield problem("stop_beyond_half", height=mm(height), value=mm(case.gasket.stop))
-    apart = closure.extent[1][0] - seat.extent[1][0]
-    if apart < 0:
-        yield problem("flanges_meet", deep=mm(-apart))
+    distance = closure.extent[1][0] - seat.extent[1][0]
+    if distance < 0:
+        yield problem("flanges_meet", deep=mm(-distance))
     slack = 1e-3 * case.initial_contact_radius
-    for one, other in ((seat, closure), (closure, seat)):
-        corners = np.array([s.start for s in one.segments]).T
-        inside = np.all([other.shifted(way).holds(corners) for way in (-slack, slack)], axis=0)
-        if inside.any():
-            r, z = corners[:, inside][:, 0].tolist()
+    for outline, opposite in ((seat, closure), (closure, seat)):
+        corners = np.array([s.start for s in outline.segments]).T
+        is_inside = np.all([opposite.shifted(way).holds(corners) for way in (-slack, slack)], axis=0)
+        if is_inside.any():
+            r, z = corners[:, is_inside][:, 0].tolist()
             yield problem("penetrates", r=mm(r), apart=mm(z))
             return
 
 
-def _small_fit(case: CaseTables, name: str, moved: float) -> Iterator[Problem]:
+def _small_fit(case: CaseTables, name: str, motion: float) -> Iterator[Problem]:
     """The problem of this name where the wall of the seat is moved inwards by more than small strains allow [m]."""
-    wall, most = case.contact.seat.largest_radius, 100 * _LARGEST_FIT
-    if moved > _LARGEST_FIT * wall:
-        lengths = {"wall": mm(wall), "limit": mm(_LARGEST_FIT * wall), "value": mm(moved)}
-        yield problem(name, share=100 * moved / wall, most=most, **lengths)
+    wall, percent = case.contact.seat.largest_radius, 100 * _LARGEST_FIT
+    if motion > _LARGEST_FIT * wall:
+        lengths = {"wall": mm(wall), "limit": mm(_LARGEST_FIT * wall), "value": mm(motion)}
+        yield problem(name, share=100 * motion / wall, most=percent, **lengths)
 
 
 def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
     """What in [temperature] contradicts itself, or needs a number that no material has."""
     bodies = [name for name in ("uniform", "closure", "seat") if getattr(heat, name) is not None]
-    given = [*bodies, *heat.faces]
-    if bodies not in ([], ["uniform"], ["closure", "seat"]) or not given or (bodies and heat.faces):
-        yield problem("temperature_given", given=" and ".join(given) or "no temperature")
+    entries = [*bodies, *heat.faces]
+    if bodies not in ([], ["uniform"], ["closure", "seat"]) or not entries or (bodies and heat.faces):
+        yield problem("temperature_given", given=" and ".join(entries) or "no temperature")
         return
     if heat.contact_conductance is not None and not heat.faces:
         yield problem("contact_conductance")
-    fixed = case.lower.wall == "fixed"
+    has_fixed_wall = case.lower.wall == "fixed"
     for name in ("housing", "housing_expansion"):
-        if getattr(heat, name) is not None and not fixed:
+        if getattr(heat, name) is not None and not has_fixed_wall:
             yield problem("without_housing", name=name)
     if heat.faces:
         for name in ("closure", "seat"):
@@ -165,21 +165,21 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
             yield from _unknown(case, "material_number", name, "thermal_expansion", "1/K")
         return
     strains = []
-    for name in ("closure", "seat") if case.expands or fixed else ():
+    for name in ("closure", "seat") if case.expands or has_fixed_wall else ():
         try:
             strains.append(case.thermal_strain(name))
         except InputError as error:
             material = case.table_of(name).material.name
-            beyond = Problem(
+            range_problem = Problem(
                 f"{case.key_of(name)}.material.thermal_expansion", f"{material}: {error.message}"
             )
-            yield from [*_unknown(case, "no_expansion", name, "thermal_expansion", "1/K")] or [beyond]
+            yield from [*_unknown(case, "no_expansion", name, "thermal_expansion", "1/K")] or [range_problem]
     for name, strain in zip(("closure", "seat"), strains, strict=False):
         if abs(strain) > _LARGEST_STRAIN:
             yield problem(
                 "thermal_strain", name=case.key_of(name), strain=100 * strain, limit=100 * _LARGEST_STRAIN
             )
-    if len(strains) == 2 and fixed:
+    if len(strains) == 2 and has_fixed_wall:
         yield from _fit(case)
 
 
@@ -194,27 +194,27 @@ def _unknown(case: CaseTables, name: str, body: str, number: str, unit: str) -> 
 def _fit(case: CaseTables) -> Iterator[Problem]:
     """A bore holds the seat's wall where it presses on it, and cannot pull."""
     try:
-        moved = case.wall_motion
+        motion = case.wall_motion
     except InputError as error:
         yield error.problems[0]
         return
-    if moved < -1e-12 * case.contact.seat.largest_radius:
-        yield problem("loose_fit", moved=1e6 * -moved)
-    yield from _small_fit(case, "tight_fit", moved)
+    if motion < -1e-12 * case.contact.seat.largest_radius:
+        yield problem("loose_fit", moved=1e6 * -motion)
+    yield from _small_fit(case, "tight_fit", motion)
 
 
 def _geometry_problem(message: str, case: CaseTables) -> Problem:
     """A geometry that cannot be, at its key if the message begins with one."""
-    named = re.match(r"(closure|seat|gasket) ([\w\[\].]+) = ([^:]+): (.+)", message, re.DOTALL)
-    drawn = re.match(r"(closure|seat|gasket) outline: (.+)", message, re.DOTALL)
-    if drawn is not None:
-        body, what = drawn[1] if drawn[1] == "closure" else case.key_of("seat"), drawn[2]
+    key_match = re.match(r"(closure|seat|gasket) ([\w\[\].]+) = ([^:]+): (.+)", message, re.DOTALL)
+    outline = re.match(r"(closure|seat|gasket) outline: (.+)", message, re.DOTALL)
+    if outline is not None:
+        body, what = outline[1] if outline[1] == "closure" else case.key_of("seat"), outline[2]
         table = case.closure if body == "closure" else case.lower
         source = "outline" if getattr(table, "outline", None) is not None else "file"
         return Problem(f"{body}.{source}", what)
-    if named is None:
+    if key_match is None:
         return Problem(case.key_of("seat"), message)
-    body, key, value, what = named.groups()
+    body, key, value, what = key_match.groups()
     return Problem(f"{body}.{key}", what, value)
 
 
@@ -222,12 +222,12 @@ def _gasket(case: CaseTables) -> Iterator[Problem]:
     """What does not go together with a gasket, and what only goes together with one."""
     if case.gasket is None:
         if isinstance(case.closure, FlangeFace):
-            yield problem("flange_without_gasket", value=shown(case.closure.shape))
+            yield problem("flange_without_gasket", value=show(case.closure.shape))
         if case.roughness is not None and case.roughness.gasket is not None:
             yield problem("roughness_without_gasket")
         return
     if isinstance(case.closure, FlangeFace) and case.load.closing == "penetration":
-        yield problem("penetration_of_flange", shape=shown(case.closure.shape))
+        yield problem("penetration_of_flange", shape=show(case.closure.shape))
     if case.temperature is not None and case.temperature.uniform is None:
         yield problem("temperature_of_gasket")
     if case.form is not None and case.form.seat is not None:
@@ -245,13 +245,13 @@ def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
         Of the upper flange.
     """
     particles = case.fluid is not None and case.fluid.particles is not None
-    given = {
+    options = {
         "form": case.form is not None,
         "gasket.stop": case.gasket is not None and case.gasket.stop is not None,
         "fluid.particles": particles,
         "leak.conductivity": case.leak.conductivity == "direct",
     }
-    yield from (problem("with_unlike_flanges", key=key) for key, there in given.items() if there)
+    yield from (problem("with_unlike_flanges", key=key) for key, is_used in options.items() if is_used)
     if case.bolts is not None:
         yield problem("bolts_of_unlike_flanges")
     if case.contact.chambers:
@@ -262,9 +262,9 @@ def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
 def _spectrum(case: CaseTables) -> Iterator[Problem]:
     for name, spectrum in case.roughness.parts.items() if case.roughness else ():
         if isinstance(spectrum, SelfAffine):
-            increasing = spectrum.q_low < spectrum.q_high
-            if not increasing or not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
-                wrong = "q_rolloff" if increasing else "q_low"
+            has_band = spectrum.q_low < spectrum.q_high
+            if not has_band or not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
+                wrong = "q_rolloff" if has_band else "q_low"
                 yield problem(wrong, key=f"roughness.{name}", spectrum=spectrum)
 
 
@@ -304,7 +304,7 @@ def _of_paper(case: CaseTables) -> Iterator[Problem]:
 def _hardness(case: CaseTables) -> Iterator[Problem]:
     if case.roughness is None or case.hardness is not None:
         return
-    words = {name: shown(case.table_of(name).material.name) for name in ("closure", "seat")}
+    words = {name: show(case.table_of(name).material.name) for name in ("closure", "seat")}
     words["body"] = case.key_of("seat")
     if case.leak.plasticity:
         yield problem("no_hardness", **words)
@@ -326,17 +326,17 @@ def _load(case: CaseTables) -> Iterator[Problem]:
         yield problem("bolts_and_force")
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
         yield problem("local_penetration")
-    if load.target_leak_rate is not None and (missing := _missing(case)):
-        yield problem("load_target_leak_rate", missing=missing, value=written("flow", load.target_leak_rate))
+    if load.target_leak_rate is not None and (table := _missing(case)):
+        yield problem("load_target_leak_rate", missing=table, value=written("flow", load.target_leak_rate))
 
 
 def _lands(case: CaseTables) -> Iterator[Problem]:
     """What does not go together with several lands, or only with them."""
-    count, given = len(case.contact.chambers), case.load.chamber_pressure
-    if given is not None and len(given) not in {1, count}:
-        yield problem("chamber_count", given=len(given), count=count, **case.labels)
+    count, pressures_given = len(case.contact.chambers), case.load.chamber_pressure
+    if pressures_given is not None and len(pressures_given) not in {1, count}:
+        yield problem("chamber_count", given=len(pressures_given), count=count, **case.labels)
     if not count:
-        if given is not None:
+        if pressures_given is not None:
             yield problem("no_chamber", **case.labels)
         return
     if case.form is not None:
@@ -350,19 +350,19 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
     load = case.load
     if load.earlier is None:
         return
-    key, given = load.earlier_key, load.largest_earlier_pressure
-    value = written("force", load.earlier[1]) if given is None else written("fluid pressure", given)
-    if given is not None:
+    key, pressure = load.earlier_key, load.largest_earlier_pressure
+    value = written("force", load.earlier[1]) if pressure is None else written("fluid pressure", pressure)
+    if pressure is not None:
         if load.largest_earlier_force is not None:
             yield problem("two_earlier_loads", value=value)
         elif load.pressure_side == "inner":
             yield problem("earlier_lifts", value=value, **case.labels)
         elif len({force for _, force in load.points}) > 1:
             yield problem("earlier_forces", value=value)
-    missing = _missing(case)
-    if not curves(case) and (missing or not case.leak.plasticity):
-        why = f"no leak rate without [{missing}]" if missing else "leak.plasticity = false"
-        remedy = "add the table" if missing else "set plasticity = true"
+    table = _missing(case)
+    if not curves(case) and (table or not case.leak.plasticity):
+        why = f"no leak rate without [{table}]" if table else "leak.plasticity = false"
+        remedy = "add the table" if table else "set plasticity = true"
         yield problem("earlier_without_effect", key=key, why=why, remedy=remedy, value=value)
 
 
@@ -371,34 +371,34 @@ def _history(case: CaseTables) -> Iterator[Problem]:
     load = case.load
     if load.earlier is not None:
         key = load.earlier_key
-        before, instead = key, f"remove {key}"
+        cause, remedy = key, f"remove {key}"
     elif case.bolts is not None and case.roughness is not None and case.leak.plasticity:
-        before, instead = "[bolts]", "set leak.plasticity = false"
+        cause, remedy = "[bolts]", "set leak.plasticity = false"
     elif (
         len(load.fluid_pressure) > 1 and curves(case) and case.roughness is not None and case.leak.plasticity
     ):
-        before, instead = "stress_strain with several loads", "give one load, or set leak.plasticity = false"
+        cause, remedy = "stress_strain with several loads", "give one load, or set leak.plasticity = false"
     else:
         return
     if case.leak.fluid_in_gap == "local":
-        yield problem("local_memory", before=before, instead=instead)
+        yield problem("local_memory", before=cause, instead=remedy)
     if case.leak.conductivity == "direct":
-        yield problem("direct_memory", before=before, instead=instead)
+        yield problem("direct_memory", before=cause, instead=remedy)
 
 
 def _fluid(case: CaseTables) -> Iterator[Problem]:
     fluid = case.fluid
     if fluid is None:
         return
-    called = shown(fluid.name)
+    fluid_name = show(fluid.name)
     if fluid.gas is None and fluid.outlet_pressure is not None:
         value = written("fluid pressure", fluid.outlet_pressure)
-        yield problem("fluid_outlet_pressure", fluid=called, value=value)
-    given = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
+        yield problem("fluid_outlet_pressure", fluid=fluid_name, value=value)
+    laws = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
     if fluid.gas is not None:
-        for name in given:
-            yield problem("liquid_only", name=name, fluid=called)
-    elif len(given) > 1:
+        for name in laws:
+            yield problem("liquid_only", name=name, fluid=fluid_name)
+    elif len(laws) > 1:
         yield Problem("fluid.roelands_z", "says the same as fluid.pressure_viscosity; remove one of them")
     elif fluid.roelands_z is not None and fluid.viscosity <= 1e-4:
         yield problem("fluid_roelands_z", viscosity=1e3 * fluid.viscosity, fluid=fluid)
@@ -407,7 +407,7 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
     if case.roughness is None:
         yield problem("fluid_particles")
     if fluid.gas is not None and fluid.particles.iso_4406 is not None:
-        yield problem("fluid_particles_iso_4406", fluid=called, value=shown(fluid.particles.iso_4406))
+        yield problem("fluid_particles_iso_4406", fluid=fluid_name, value=show(fluid.particles.iso_4406))
 
 
 def _form(case: CaseTables) -> Iterator[Problem]:
@@ -422,30 +422,30 @@ def _form(case: CaseTables) -> Iterator[Problem]:
             if case.table_of(name).material.hardening is not None
         ]
         yield problem("form", bodies=" and ".join(bodies))
-    if (form.scratches or form.lay) and (missing := _missing(case)):
-        yield problem("grooves", key="scratches" if form.scratches else "lay", missing=missing)
+    if (form.scratches or form.lay) and (table := _missing(case)):
+        yield problem("grooves", key="scratches" if form.scratches else "lay", missing=table)
 
 
 def _leak_rates(case: CaseTables) -> Iterator[Problem]:
     """What is said of gases only, or of liquids only; and a volume of bubbles that counts for nothing."""
     if case.fluid is None:
         return
-    gas, required = case.fluid.gas is not None, case.requirement
+    gas, requirement = case.fluid.gas is not None, case.requirement
     fluid = "a gas" if gas else "a liquid"
     for table, key in RATES:
         rate = getattr(getattr(case, table), key, None)
-        for kind, said in (OF_LIQUIDS if gas else OF_GASES).items():
+        for kind, meaning in (OF_LIQUIDS if gas else OF_GASES).items():
             if isinstance(rate, kind):
-                yield problem("rate_of_fluid", key=f"{table}.{key}", said=said, fluid=fluid)
-    if required is not None and required.bubble_volume is not None and not gas:
+                yield problem("rate_of_fluid", key=f"{table}.{key}", said=meaning, fluid=fluid)
+    if requirement is not None and requirement.bubble_volume is not None and not gas:
         yield Problem("requirement.bubble_volume", "is that of a gas, and the fluid is a liquid; remove it")
 
 
 def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
     """What in [requirement] cannot be judged."""
-    missing = _missing(case)
-    if missing or case.fluid is None:
-        yield Problem("requirement", f"needs a leak rate, and there is none without [{missing}]; add it")
+    table = _missing(case)
+    if table or case.fluid is None:
+        yield Problem("requirement", f"needs a leak rate, and there is none without [{table}]; add it")
         return
     if required.leak_rate is None and required.standard is None and required.class_name is None:
         yield problem("requirement")
@@ -453,9 +453,9 @@ def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
     yield from _own_tests(case, required, gas=case.fluid.gas is not None)
     loads = case.load.fluid_pressure
     for pressure in required.pressures:
-        if not any(math.isclose(pressure, one, rel_tol=1e-6) for one in loads):
-            listed = ", ".join(f"{one / 1e5:.6g}" for one in dict.fromkeys(loads))
-            yield problem("requirement_fluid_pressure", listed=listed, pressure=pressure / 1e5)
+        if not any(math.isclose(pressure, load_pressure, rel_tol=1e-6) for load_pressure in loads):
+            loads_in_bar = ", ".join(f"{load_pressure / 1e5:.6g}" for load_pressure in dict.fromkeys(loads))
+            yield problem("requirement_fluid_pressure", listed=loads_in_bar, pressure=pressure / 1e5)
 
 
 def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterator[Problem]:
@@ -473,8 +473,8 @@ def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterato
         yield problem("rated_pressure_of_relief")
     elif standard != RELIEF and required.rated_pressure is None:
         yield problem("rated_pressure_missing")
-    elif (held := case.set_pressure) and any(not one.pressure(held) > 0.0 for one in required.tests(gas=gas)):
-        yield problem("set_pressure_of_test", held=short_quantity("fluid pressure", held))
+    elif (limit := case.set_pressure) and any(not t.pressure(limit) > 0.0 for t in required.tests(gas=gas)):
+        yield problem("set_pressure_of_test", held=short_quantity("fluid pressure", limit))
 
 
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
@@ -487,22 +487,24 @@ def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
         return
     standard = standard_named(required.standard)
     if standard is None:
-        known = " or ".join(f'"{one}"' for one in STANDARDS)
-        yield Problem("requirement.standard", f"is not known; known are {known}", shown(required.standard))
+        classes = " or ".join(f'"{standard}"' for standard in STANDARDS)
+        yield Problem("requirement.standard", f"is not known; known are {classes}", show(required.standard))
         return
-    found, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
+    class_pair, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
     possible = classes_of(standard, gas=gas)
     if not possible:
         yield problem("requirement_standard_fluid", standard=standard, fluid=fluid)
-    elif found is None or found[1] not in possible:
-        known, given = ", ".join(possible), required.class_name
-        if given is None:
-            yield Problem("requirement.class", f"is missing; known are {known}")
+    elif class_pair is None or class_pair[1] not in possible:
+        classes, class_name = ", ".join(possible), required.class_name
+        if class_name is None:
+            yield Problem("requirement.class", f"is missing; known are {classes}")
         else:
-            words = {"standard": standard, "fluid": fluid, "known": known}
-            yield problem("requirement_class", **words, value=shown(given))
-    elif found[1] not in classes_of(standard, gas=gas, rated_capacity=required.rated_capacity is not None):
-        yield problem("requirement_rated_capacity", name=found[1], standard=standard)
+            words = {"standard": standard, "fluid": fluid, "known": classes}
+            yield problem("requirement_class", **words, value=show(class_name))
+    elif class_pair[1] not in classes_of(
+        standard, gas=gas, rated_capacity=required.rated_capacity is not None
+    ):
+        yield problem("requirement_rated_capacity", name=class_pair[1], standard=standard)
 
 
 def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[Problem]:
@@ -515,7 +517,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         The case's own, or another one.
     """
     if case.fluid is not None and case.fluid.gas is not None and table.viscosity is not None:
-        yield problem("uncertainty_viscosity", fluid=shown(case.fluid.name))
+        yield problem("uncertainty_viscosity", fluid=show(case.fluid.name))
     for name in ("roughness", "fluid"):
         if getattr(case, name) is None:
             yield Problem("uncertainty", f"is about the leak rate, which needs a table [{name}]; add it")
@@ -533,7 +535,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         try:
             check_file(table.posterior)
         except UnreadableFileError as error:
-            yield Problem("uncertainty.posterior", str(error), shown(table.posterior))
+            yield Problem("uncertainty.posterior", str(error), show(table.posterior))
     if table.form is not None and case.form is None:
         yield Problem("uncertainty.form", "is about the deviations in a table [form]; add it, or remove this")
     if case.roughness is None:
@@ -558,8 +560,8 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
     """
     contact, tables = case.contact, (case.closure, case.lower)
     radius = contact.initial_contact_radius
-    drawn = (contact.closure_face, contact.seat_face)
-    for name, table, body, curve in zip(("closure", "seat"), tables, case.bodies, drawn, strict=True):
+    faces = (contact.closure_face, contact.seat_face)
+    for name, table, body, curve in zip(("closure", "seat"), tables, case.bodies, faces, strict=True):
         face = named_face(body)
         if face is not None and not face.holds(radius):
             side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)
@@ -571,16 +573,16 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
             and face.name == "land"
             and math.isinf(contact.relative_radius)
         ):
-            other = named_face(case.bodies[0])
+            upper = named_face(case.bodies[0])
             if (
-                other is not None
-                and other.holds(radius)
-                and not (other.holds(face.inner) and other.holds(face.outer))
+                upper is not None
+                and upper.holds(radius)
+                and not (upper.holds(face.inner) and upper.holds(face.outer))
             ):
-                ends = (mm(one) for one in (face.inner, face.outer, other.inner, other.outer))
+                ends = (mm(radius) for radius in (face.inner, face.outer, upper.inner, upper.outer))
                 words = dict(zip(("inner", "outer", "closure_inner", "closure_outer"), ends, strict=True))
-                named = {"key": case.key_of(name), "shape": table.shape, "upper": case.label_of("closure")}
-                text = sentence("land_beyond_face", face=other.name, **named, **words)
+                names = {"key": case.key_of(name), "shape": table.shape, "upper": case.label_of("closure")}
+                text = sentence("land_beyond_face", face=upper.name, **names, **words)
                 yield "land_beyond_face", name, text
         if facets := facets_at(curve, radius):
             length = mm(sum(s.length for s in facets) / len(facets))
@@ -593,7 +595,7 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
 
 # Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
 # the ends of the faces whatever their shape: even of an edge pressed flat over all of its radius it is less.
-_CRUSHED = 0.25
+_CRUSHING_PRESSURE = 0.25
 # Angle by which the faces of a body that yields turn [rad] above which load steps shrink until they end: a knife edge
 # that would turn copper by 0.5 stops at a sixth of its load.
 MOST_TURNED = 0.4
@@ -607,32 +609,32 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
     case : CaseTables
         Whose tables fit together otherwise.
     """
-    refused: dict[int, LoadProblem] = {}
-    crushed = None
+    problems: dict[int, LoadProblem] = {}
+    crushing_load = None
     for number, (pressure, applied_force) in enumerate(case.load.points):
         problem = _opening_problem(case, pressure, applied_force) or _strain_problem(
             case, pressure, applied_force
         )
-        if problem is None and crushed is not None:
-            problem = load_problem("after_a_load", "path", load=crushed)
+        if problem is None and crushing_load is not None:
+            problem = load_problem("after_a_load", "path", load=crushing_load)
         if problem is not None:
-            refused[number] = problem
-            if problem.kind == "strain" and crushed is None and curves(case):
-                crushed = f"that at {pressure / 1e5:.6g} bar"
-    return refused
+            problems[number] = problem
+            if problem.kind == "strain" and crushing_load is None and curves(case):
+                crushing_load = f"that at {pressure / 1e5:.6g} bar"
+    return problems
 
 
 def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
     """Why no load of a case can be calculated, one problem of each kind; empty if one can."""
-    refused = refused_loads(case)
-    if len(refused) < len(case.load.points):
+    problems = refused_loads(case)
+    if len(problems) < len(case.load.points):
         return []
     force = dict(enumerate(case.expected_force(*point) for point in case.load.points))
-    found: dict[str, LoadProblem] = {}
-    for number in sorted(refused, key=lambda number: -abs(force[number])):
+    worst: dict[str, LoadProblem] = {}
+    for number in sorted(problems, key=lambda number: -abs(force[number])):
         # the worst of its kind: what is allowed there is allowed to the others as well
-        found.setdefault(refused[number].kind, refused[number])
-    return list(found.values())
+        worst.setdefault(problems[number].kind, problems[number])
+    return list(worst.values())
 
 
 def check_formed(case: CaseTables) -> None:
@@ -646,9 +648,9 @@ def check_formed(case: CaseTables) -> None:
     largest = max(case.expected_force(*point) for point in load.points)
     if load.earlier is None:
         raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
-    formed = case.expected_force(*load.earlier)
-    if formed < largest * (1 - 1e-6):
-        forces = {"formed": short_quantity("force", formed), "largest": short_quantity("force", largest)}
+    forming = case.expected_force(*load.earlier)
+    if forming < largest * (1 - 1e-6):
+        forces = {"formed": short_quantity("force", forming), "largest": short_quantity("force", largest)}
         raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))
 
 
@@ -666,15 +668,15 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
         None if pressure == 0.0 else _opening_problem(case, pressure, force),
         case.load.earlier_key,
     )
-    found = open_seal or _strain_problem(case, pressure, force, key.removeprefix("load."))
-    return None if found is None else replace(found, key=key)
+    problem = open_seal or _strain_problem(case, pressure, force, key.removeprefix("load."))
+    return None if problem is None else replace(problem, key=key)
 
 
 def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
     load, r0 = case.load, case.initial_contact_radius
     lifts = load.pressure_side == "inner"
-    needed = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
+    lift = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
     # Where fluid gets to between surfaces or lands is a result: only what no contact can hold is known before.
     penetrates = not case.on_sealed_area
     force = case.expected_force(fluid_pressure, applied_force)
@@ -682,16 +684,16 @@ def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: flo
     if holds:
         return None
     if case.bolts is not None:
-        said = {"force": short_quantity("force", needed), "applied": short_quantity("force", applied_force)}
-        return load_problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **said)
+        forces = {"force": short_quantity("force", lift), "applied": short_quantity("force", applied_force)}
+        return load_problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **forces)
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure,
         **case.labels,
         how=f"lifts the {case.label_of('closure')} with" if lifts else "closes with",
-        force=short_quantity("force", abs(needed)),
+        force=short_quantity("force", abs(lift)),
         radius=mm(r0),
-        needed=needed,
+        needed=lift,
         applied=applied_force,
     )
 
@@ -713,36 +715,36 @@ def _strain_problem(
     f = line_load(force, contact.initial_contact_radius, contact.angle)
     start, end = contact.reach
     length = end - start
-    limits = [("crushed", _CRUSHED, case.effective_modulus)]
+    limits = [("crushed", _CRUSHING_PRESSURE, case.effective_modulus)]
     if hardened := [curve.stress[-1] for curve in curves(case)]:
         limits.insert(0, ("fully_plastic", CONSTRAINT, min(hardened)))
     for name, share, strength in limits:
-        most = share * strength * length
-        if f > most:
-            said = {
+        capacity = share * strength * length
+        if f > capacity:
+            forces = {
                 "force": short_quantity("force", force),
-                "most": short_quantity("force", force * most / f),
+                "most": short_quantity("force", force * capacity / f),
             }
-            return load_problem(name, "strain", **said, length=mm(length), share=share, lower=lower)
+            return load_problem(name, "strain", **forces, length=mm(length), share=share, lower=lower)
     if not hardened or any(len(curve.stress) == 1 for curve in curves(case)):
         # what a body bears that does not harden is found on the way to the load
         return None
     # a narrower contact cannot carry the load, whatever else yields
     half_width = plastic_half_width(f, min(hardened))
-    turned = turning(contact, half_width)
-    if turned <= MOST_TURNED:
+    angle = turning_angle(contact, half_width)
+    if angle <= MOST_TURNED:
         return None
-    share = _largest_share(lambda share: turning(contact, share * half_width) <= LARGEST_TURNING)
-    said = {"force": short_quantity("force", force), "most": short_quantity("force", force * share)}
-    limits_of = {"turned": turned, "largest": LARGEST_TURNING}
-    return load_problem("turned", "strain", **said, **limits_of, width=2 * half_width, lower=lower)
+    share = _largest_share(lambda share: turning_angle(contact, share * half_width) <= LARGEST_TURNING)
+    forces = {"force": short_quantity("force", force), "most": short_quantity("force", force * share)}
+    limits_of = {"turned": angle, "largest": LARGEST_TURNING}
+    return load_problem("turned", "strain", **forces, **limits_of, width=2 * half_width, lower=lower)
 
 
 # Places of each side at which the gap is looked at, and halvings until the force is known to two digits.
 _PLACES, _HALVINGS = 201, 12
 
 
-def turning(contact: ContactGeometry, half_width: float) -> float:
+def turning_angle(contact: ContactGeometry, half_width: float) -> float:
     """Angle by which faces turn that are pressed into each other over a width [rad]; a/R on a parabola.
 
     The width is taken where the undeformed faces are closest. Where they open more slowly further in, as on a flat land
@@ -765,8 +767,8 @@ def turning(contact: ContactGeometry, half_width: float) -> float:
     at = int(np.argmin(widest))
     if not math.isfinite(widest[at]):
         return 0.0
-    ends = [(one, place) for one, place in ((inner, at), (outer, _PLACES - 1 - at)) if place > 0]
-    slope = max(float(one[place] - one[place - 1]) / float(x[1]) for one, place in ends)
+    ends = [(gaps, place) for gaps, place in ((inner, at), (outer, _PLACES - 1 - at)) if place > 0]
+    slope = max(float(gaps[place] - gaps[place - 1]) / float(x[1]) for gaps, place in ends)
     return min(2.0 * float(widest[at]) / half_width, slope)
 
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.material_table import MaterialField
-from fem_seal.case.shapes import Body, Closure, Gasket, Held
+from fem_seal.case.shapes import Body, Closure, Gasket, HeldSeat
 from fem_seal.case.words import problem
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
@@ -65,8 +65,8 @@ class ProfileSource(Body):
         kind = Path(self.file).suffix.lower()
         kinds = _DRAWINGS if name == "gasket" else (*_DRAWINGS, *_MESHES)
         if kind not in kinds:
-            known = ", ".join(kinds)
-            yield Problem(f"{name}.file", f"must end with {known}", f'"{Path(self.file).name}"')
+            endings = ", ".join(kinds)
+            yield Problem(f"{name}.file", f"must end with {endings}", f'"{Path(self.file).name}"')
         else:
             try:
                 check_file(self.file, MOST_BYTES_OF_DRAWING)
@@ -80,64 +80,64 @@ class ProfileSource(Body):
         if self.length_unit is not None and kind in (".step", ".stp"):
             yield Problem(f"{name}.length_unit", "a .step says its unit; remove it", f'"{self.length_unit}"')
 
-    def made(self, **around: Shape) -> Shape:
+    def make_shape(self, **neighbours: Shape) -> Shape:
         """The body that is meshed, or is a mesh already."""
         if self.outline is not None:
-            return _written(self.part, self.outline)
+            return _build_outline(self.part, self.outline)
         assert self.file is not None  # `problems` has looked
         name, path = self.part, Path(self.file)
         unit = _UNITS[self.length_unit] if self.length_unit else None
-        drawn = {"layer": self.layer, "tolerance": self.tolerance or 1e-8, "joint_gap": self.joint_gap}
+        curve = {"layer": self.layer, "tolerance": self.tolerance or 1e-8, "joint_gap": self.joint_gap}
         both = {"axis": self.axis, "length_unit": unit, "time_limit": self.time_limit or 20.0}
-        found = _read(path, path.stat().st_mtime_ns, name, **both, **drawn)
-        if isinstance(found, GeometryError):
-            raise found
-        return found
+        shape = _read(path, path.stat().st_mtime_ns, name, **both, **curve)
+        if isinstance(shape, GeometryError):
+            raise shape
+        return shape
 
 
 # A file that cannot be read is kept as well: every design of a study would wait for its time limit anew.
 @lru_cache(maxsize=16)
 def _read(
     path: Path,
-    changed: int,
+    time_of_change: int,
     name: str,
     *,
     axis: Any,
     length_unit: float | None,
     time_limit: float,
-    **drawn: Any,
+    **curve: Any,
 ) -> Shape | GeometryError:
     if path.suffix.lower() == ".dxf" and find_spec("ezdxf") is None:
-        missing = needed("drawings", ImportError(name="ezdxf"))
-        return GeometryError(f'{name} file = "{path.name}": reading it {missing}')
+        remedy = needed("drawings", ImportError(name="ezdxf"))
+        return GeometryError(f'{name} file = "{path.name}": reading it {remedy}')
     try:
         both: dict[str, Any] = {"axis": axis, "time_limit": time_limit}
         if path.suffix.lower() in _MESHES:
             return MeshedBody.read(path, name, length_unit=length_unit or 1.0, **both)
-        return read_section(path, name, length_unit=length_unit, **drawn, **both)
+        return read_section(path, name, length_unit=length_unit, **curve, **both)
     except GeometryError as error:
         # at the key of the file, where the message begins with the file's name
-        _, found, what = str(error).partition(f"{path.name}: ")
-        return GeometryError(f'{name} file = "{path.name}": {what}') if found else error
+        _, name_of_file, what = str(error).partition(f"{path.name}: ")
+        return GeometryError(f'{name} file = "{path.name}": {what}') if name_of_file else error
 
 
-def _written(name: str, pieces: list[Piece]) -> Profile:
+def _build_outline(name: str, pieces: list[Piece]) -> Profile:
     segments = []
-    for n, (before, piece) in enumerate(pairwise(pieces), start=2):
+    for n, (previous, piece) in enumerate(pairwise(pieces), start=2):
         entry = f"{name} outline: entry {n}"
-        if before.to == piece.to:
+        if previous.to == piece.to:
             raise GeometryError(f"{entry} ends where it begins")
         centre = piece.centre
         if piece.radius is not None:
             if centre is not None:
                 raise GeometryError(f"{entry} has centre and radius; remove one of them")
-            centre = _centre(entry, before.to, piece.to, piece.radius)
+            centre = _centre(entry, previous.to, piece.to, piece.radius)
         if centre is not None:
-            first, last = math.dist(centre, before.to), math.dist(centre, piece.to)
-            if abs(first - last) > 1e-6 * max(first, last):
-                ends = f"begins {mm(first)} from its centre, but ends {mm(last)} from it"
+            start_radius, end_radius = math.dist(centre, previous.to), math.dist(centre, piece.to)
+            if abs(start_radius - end_radius) > 1e-6 * max(start_radius, end_radius):
+                ends = f"begins {mm(start_radius)} from its centre, but ends {mm(end_radius)} from it"
                 raise GeometryError(f"{entry} {ends}")
-        segments.append(Segment(before.to, piece.to, piece.name or "", centre))
+        segments.append(Segment(previous.to, piece.to, piece.name or "", centre))
     return profile_of(name, segments)
 
 
@@ -150,8 +150,8 @@ def _centre(entry: str, start: Point, end: Point, radius: float) -> Point:
             f"points {mm(chord)} apart has more than {mm(0.5 * chord)}"
         )
     height = math.copysign(math.sqrt(radius**2 - 0.25 * chord**2), radius)
-    left = (start[1] - end[1]) / chord, (end[0] - start[0]) / chord
-    return 0.5 * (start[0] + end[0]) + height * left[0], 0.5 * (start[1] + end[1]) + height * left[1]
+    normal = (start[1] - end[1]) / chord, (end[0] - start[0]) / chord
+    return 0.5 * (start[0] + end[0]) + height * normal[0], 0.5 * (start[1] + end[1]) + height * normal[1]
 
 
 class ClosureProfile(ProfileSource, Closure):
@@ -162,7 +162,7 @@ class ClosureProfile(ProfileSource, Closure):
     material: MaterialField
 
 
-class SeatProfile(ProfileSource, Held):
+class SeatProfile(ProfileSource, HeldSeat):
     """[seat] shape = "profile": a seat with any outline of lines and arcs."""
 
     part: ClassVar[str] = "seat"

@@ -42,7 +42,7 @@ class Entry:
         try:
             return self.read(value)
         except ValueError as error:
-            raise ValueError(f"{name}, {shown(value)}, {error}") from None
+            raise ValueError(f"{name}, {show(value)}, {error}") from None
 
     @property
     def _schema(self) -> dict[str, Any]:
@@ -86,8 +86,8 @@ class Quantity(Entry):
         """Value in SI; ValueError if it is no such quantity or outside the range."""
         value = parse_quantity(text, self.dimension)
         low, high = _limits(self)
-        inside = low < value < high if self.exclusive else low <= value <= high
-        if not inside:
+        is_inside = low < value < high if self.exclusive else low <= value <= high
+        if not is_inside:
             raise ValueError(f"out of range; allowed is {self.range}")
         return value
 
@@ -110,9 +110,9 @@ class AbsolutePressure(Quantity):
     def read(self, text: object) -> float:
         """Pressure in Pa; ValueError that says what a negative one is meant to be."""
         if (value := parse_quantity(text, self.dimension)) < 0:
-            above = value + STANDARD_PRESSURE
-            meant = f'; below the atmosphere it is "{above / 1e5:.6g} bar"' if above >= 0 else ""
-            raise ValueError(f'is absolute: vacuum is "0 bar", the atmosphere "1.01325 bar"{meant}')
+            absolute = value + STANDARD_PRESSURE
+            hint = f'; below the atmosphere it is "{absolute / 1e5:.6g} bar"' if absolute >= 0 else ""
+            raise ValueError(f'is absolute: vacuum is "0 bar", the atmosphere "1.01325 bar"{hint}')
         return super().read(text)
 
 
@@ -125,16 +125,16 @@ class OneOrMany(Quantity):
         if not isinstance(value, (list, tuple)):
             return super().read(value)
         _check_count(value)
-        return _read_each(self.one, value)
+        return _read_each(self.element, value)
 
     @property
-    def one(self) -> Quantity:
+    def element(self) -> Quantity:
         """What each of them is."""
         return Quantity(self.dimension, self.low, self.high, self.exclusive)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        return {"anyOf": [self.one._schema, _list_of(self.one)]}
+        return {"anyOf": [self.element._schema, _list_of(self.element)]}
 
 
 class OneOrRange(OneOrMany):
@@ -143,12 +143,12 @@ class OneOrRange(OneOrMany):
     def read(self, value: object) -> float | tuple[float, ...]:  # type: ignore[override]
         """Value, or lower and upper end, in SI; ValueError names what is wrong."""
         match = _RANGE.fullmatch(short_text(value, self.dimension)) if isinstance(value, str) else None
-        written = [f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4]}"] if match else value
-        ends = super().read(written)
-        if isinstance(ends, tuple) and isinstance(written, (list, tuple)):
+        entry = [f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4]}"] if match else value
+        ends = super().read(entry)
+        if isinstance(ends, tuple) and isinstance(entry, (list, tuple)):
             low, high = ends if len(ends) == 2 else (1.0, 0.0)
             if not low < high <= _WIDEST * low:
-                texts = [shown(one) for one in written]
+                texts = [show(end) for end in entry]
                 raise wrong(
                     "wide_range" if low < high else "no_range", ends=" to ".join(texts), widest=_WIDEST
                 )
@@ -224,14 +224,14 @@ class Number(Entry):
 
     def read(self, value: object) -> float:
         """Value as float; ValueError if it is no number or outside the range."""
-        wanted = f"write a number {self.range}, without quotes and without unit"
+        remedy = f"write a number {self.range}, without quotes and without unit"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ValueError(f"is not a number; {wanted}")
+            raise ValueError(f"is not a number; {remedy}")
         # compared before the conversion: an integer of 400 digits is no float
-        inside = self.low < value <= self.high if self.exclusive_low else self.low <= value <= self.high
-        if not inside:
+        is_inside = self.low < value <= self.high if self.exclusive_low else self.low <= value <= self.high
+        if not is_inside:
             wrong_number = "out of range" if value == value else "is not a finite number"
-            raise ValueError(f"{wrong_number}; {wanted}")
+            raise ValueError(f"{wrong_number}; {remedy}")
         return float(value)
 
     @property
@@ -264,40 +264,40 @@ class Numbers(Entry):
 class Place(Entry):
     """A point [r, z] of a section, two lengths; a tuple [m]."""
 
-    one: Quantity
+    element: Quantity
 
     @property
     def range(self) -> str:
         """Allowed range, for messages and docs."""
-        return f"[r, z], each {self.one.range}"
+        return f"[r, z], each {self.element.range}"
 
     def read(self, value: object) -> tuple[float, float]:
         """The point; ValueError names the coordinate that is wrong."""
         if not isinstance(value, (list, tuple)) or len(value) != 2:
             raise ValueError('must be [r, z], such as ["12 mm", "0 mm"]')
-        r, z = (self.one.read_part(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
+        r, z = (self.element.read_part(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
         return r, z
 
     @property
     def _schema(self) -> dict[str, Any]:
-        return _list_of(self.one, 2, 2)
+        return _list_of(self.element, 2, 2)
 
 
 @dataclass(frozen=True)
 class Several(Entry):
     """One value or a list of values; a tuple after reading."""
 
-    one: Entry
+    element: Entry
 
     def read(self, value: object) -> tuple[Any, ...]:
         """Values in SI in the user's order; ValueError names the entry that is wrong."""
         entries = value if isinstance(value, (list, tuple)) else [value]
         _check_count(entries)
-        return (self.one.read(entries[0]),) if len(entries) == 1 else _read_each(self.one, entries)
+        return (self.element.read(entries[0]),) if len(entries) == 1 else _read_each(self.element, entries)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        return {"anyOf": [self.one._schema, _list_of(self.one)]}
+        return {"anyOf": [self.element._schema, _list_of(self.element)]}
 
 
 class Pressures(Several):
@@ -308,39 +308,39 @@ class Pressures(Several):
         return self._read_range(value) if isinstance(value, dict) else super().read(value)
 
     def _read_range(self, table: dict[Any, Any]) -> tuple[float, ...]:
-        known = ("start", "stop", "num", "spacing")
-        unknown = [shown(key) for key in table if key not in known]
-        missing = [key for key in known[:3] if key not in table]
-        if unknown or missing:
-            what = f"unknown key {unknown[0]}" if unknown else f"{missing[0]} is missing"
+        keys = ("start", "stop", "num", "spacing")
+        unknown = [show(key) for key in table if key not in keys]
+        missing_keys = [key for key in keys[:3] if key not in table]
+        if unknown or missing_keys:
+            what = f"unknown key {unknown[0]}" if unknown else f"{missing_keys[0]} is missing"
             raise ValueError(f'{what}; write a range as {{ start = "1 bar", stop = "20 bar", num = 20 }}')
-        start, stop = (self.one.read_part(table[key], key) for key in ("start", "stop"))
+        start, stop = (self.element.read_part(table[key], key) for key in ("start", "stop"))
         num, spacing = table["num"], table.get("spacing", "linear")
         if not isinstance(num, int) or isinstance(num, bool) or not 2 <= num <= MOST_PRESSURES:
-            raise ValueError(f"num, {shown(num)}, must be a whole number from 2 to {MOST_PRESSURES}")
+            raise ValueError(f"num, {show(num)}, must be a whole number from 2 to {MOST_PRESSURES}")
         if spacing not in ("linear", "log"):
-            raise ValueError(f'spacing, {shown(spacing)}, must be "linear" or "log"')
+            raise ValueError(f'spacing, {show(spacing)}, must be "linear" or "log"')
         if start >= stop:
-            raise wrong("falling_range", start=shown(table["start"]), stop=shown(table["stop"]))
+            raise wrong("falling_range", start=show(table["start"]), stop=show(table["stop"]))
         if spacing == "linear":
             return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
         return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        one = self.one._schema
-        spaced = {
+        element = self.element._schema
+        range_schema = {
             "type": "object",
             "properties": {
-                "start": one,
-                "stop": one,
+                "start": element,
+                "stop": element,
                 "num": {"type": "integer", "minimum": 2, "maximum": MOST_PRESSURES},
                 "spacing": {"enum": ["linear", "log"], "default": "linear"},
             },
             "required": ["start", "stop", "num"],
             "additionalProperties": False,
         }
-        return {"anyOf": [*super()._schema["anyOf"], spaced]}
+        return {"anyOf": [*super()._schema["anyOf"], range_schema]}
 
 
 @dataclass(frozen=True)
@@ -349,36 +349,39 @@ class OverTemperatureTable(Entry):
 
     Parameters
     ----------
-    one : Quantity or Number
+    element : Quantity or Number
         What each value is.
     """
 
-    one: Quantity | Number
+    element: Quantity | Number
 
     @property
     def range(self) -> str:
         """Allowed range, for messages and docs."""
-        return self.one.range
+        return self.element.range
 
     def read(self, value: object) -> float | tuple[tuple[float, ...], tuple[float, ...]]:
         """The number, or temperatures [K] and values; ValueError names the entry that is wrong."""
         if not isinstance(value, Mapping):
-            return self.one.read(value)
+            return self.element.read(value)
         if set(value) != {"temperature", "value"} or not all(
             isinstance(column, (list, tuple)) and column for column in value.values()
         ):
             raise wrong("over_temperature")
         return (
             _read_each(TEMPERATURE, value["temperature"], "temperature"),
-            _read_each(self.one, value["value"], "value"),
+            _read_each(self.element, value["value"], "value"),
         )
 
     @property
     def _schema(self) -> dict[str, Any]:
         # in short: it stands at every number of every material
         columns = {"temperature": {"type": "array"}, "value": {"type": "array"}}
-        one, table = self.one._schema, {"type": "object", "properties": columns, "required": [*columns]}
-        return {"anyOf": [one, table]}
+        element, table = (
+            self.element._schema,
+            {"type": "object", "properties": columns, "required": [*columns]},
+        )
+        return {"anyOf": [element, table]}
 
 
 # Of a table over temperature.
@@ -390,15 +393,15 @@ def _check_count(entries: Sequence[object]) -> None:
         raise ValueError(f"has {len(entries)} entries; allowed are 1 to {MOST_PRESSURES}")
 
 
-def _read_each(one: Entry, entries: Iterable[object], name: str = "entry") -> tuple[Any, ...]:
-    return tuple(one.read_part(entry, f"{name} {n}") for n, entry in enumerate(entries, start=1))
+def _read_each(element: Entry, entries: Iterable[object], name: str = "entry") -> tuple[Any, ...]:
+    return tuple(element.read_part(entry, f"{name} {n}") for n, entry in enumerate(entries, start=1))
 
 
-def _list_of(one: Entry, fewest: int = 1, most: int = MOST_PRESSURES) -> dict[str, Any]:
-    return {"type": "array", "items": one._schema, "minItems": fewest, "maxItems": most}
+def _list_of(element: Entry, fewest: int = 1, most: int = MOST_PRESSURES) -> dict[str, Any]:
+    return {"type": "array", "items": element._schema, "minItems": fewest, "maxItems": most}
 
 
-def shown(value: object) -> str:
+def show(value: object) -> str:
     """A value as the user would recognise it from the file, cut to one short line."""
     if isinstance(value, bool):
         return str(value).lower()
@@ -411,7 +414,7 @@ def shown(value: object) -> str:
     elif isinstance(value, dict):
         return "{ ... }"
     elif isinstance(value, (list, tuple)) and len(value) <= 3:
-        text = "[" + ", ".join(map(shown, value)) + "]"
+        text = "[" + ", ".join(map(show, value)) + "]"
     else:
         text = repr(value)
     return text if len(text) <= 60 else text[:56] + " ..."
@@ -429,14 +432,14 @@ class Table(BaseModel):
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        found = handler(schema)
-        resolved = handler.resolve_ref_schema(found)
-        resolved.setdefault("description", about(cls))
-        for name, entry in resolved.get("properties", {}).items():
+        reference = handler(schema)
+        properties = handler.resolve_ref_schema(reference)
+        properties.setdefault("description", about(cls))
+        for name, entry in properties.get("properties", {}).items():
             key = key_of(cls, name)
-            told = {"description": key.meaning, "examples": key.examples, "default": key.written}
-            entry.update({word: value for word, value in told.items() if value})
-        return found
+            entries_of_key = {"description": key.meaning, "examples": key.examples, "default": key.default}
+            entry.update({word: value for word, value in entries_of_key.items() if value})
+        return reference
 
 
 class Key(NamedTuple):
@@ -448,13 +451,13 @@ class Key(NamedTuple):
         Empty where it is a table of its own.
     example : object
         None where it has none.
-    written : str
+    default : str
         Default of a quantity as it is written; empty for all others.
     """
 
     meaning: str = ""
     example: Any = None
-    written: str = ""
+    default: str = ""
 
     @property
     def examples(self) -> list[Any]:
@@ -470,9 +473,9 @@ def key_of(table: type[BaseModel], name: str) -> Key:
     table : type
     name : str
     """
-    known = own_tables("keys.toml")
+    keys = own_tables("keys.toml")
     return next(
-        (Key(*known[one.__name__][name]) for one in table.__mro__ if name in known.get(one.__name__, ())),
+        (Key(*keys[t.__name__][name]) for t in table.__mro__ if name in keys.get(t.__name__, ())),
         Key(),
     )
 
@@ -509,13 +512,13 @@ class Whole(Number):
 
 def quantities_of(field: FieldInfo) -> Iterator[Quantity]:
     """Quantities that may stand at a field, also at one that may be left open."""
-    return (one for one in values_of(field) if isinstance(one, Quantity))
+    return (value for value in values_of(field) if isinstance(value, Quantity))
 
 
 def values_of(field: FieldInfo) -> Iterator[Quantity | Number]:
     """What one value at a field may be: of several pressures, a place or a table over temperature each of them."""
     for marker in (*field.metadata, *_markers(field.annotation)):
-        value = getattr(marker, "one", marker)
+        value = getattr(marker, "element", marker)
         if isinstance(value, (Quantity, Number)):
             yield value
 
@@ -548,9 +551,9 @@ class NormalVolume(float):
     @classmethod
     def at(cls, normal: float, temperature: float = STANDARD_TEMPERATURE) -> NormalVolume:
         """The same amount of gas at a temperature [K]."""
-        found = cls(normal * temperature / STANDARD_TEMPERATURE)
-        found.normal = normal
-        return found
+        rate = cls(normal * temperature / STANDARD_TEMPERATURE)
+        rate.normal = normal
+        return rate
 
 
 class Bubbles(float):
@@ -562,9 +565,9 @@ class Bubbles(float):
     @classmethod
     def of(cls, count: float, volume: float) -> Bubbles:
         """So many bubbles [1/s] of this volume [m^3]."""
-        found = cls(count * volume)
-        found.count = count
-        return found
+        rate = cls(count * volume)
+        rate.count = count
+        return rate
 
     @property
     def volume(self) -> float:
@@ -572,7 +575,7 @@ class Bubbles(float):
         return self / self.count
 
 
-_COUNTED = re.compile(rf"({NUMBER})\s*(drop|bubble)s?\s*/\s*(s|min|h)")
+_DROPS_OR_BUBBLES = re.compile(rf"({NUMBER})\s*(drop|bubble)s?\s*/\s*(s|min|h)")
 # N in a leak rate is normal; that of a force has no litres behind it.
 _NORMAL_VOLUME = re.compile(rf"({NUMBER})\s*(?:N\s?|normal |standard )([^/\s]+\s*/\s*(?:s|min|h))")
 _NORMAL_WORD = re.compile(rf"({NUMBER})\s*(sccm|sccs|slm|slpm)", re.IGNORECASE)
@@ -588,8 +591,8 @@ class LeakRate(Quantity):
         if not isinstance(text, str):
             return super().read(text)
         plain = " ".join(short_text(text, self.dimension).split())
-        if counted := _COUNTED.fullmatch(plain):
-            return self._counted(float(counted[1]), counted[2], counted[3])
+        if match := _DROPS_OR_BUBBLES.fullmatch(plain):
+            return self._read_count(float(match[1]), match[2], match[3])
         normal = _NORMAL_VOLUME.fullmatch(plain) or _NORMAL_WORD.fullmatch(plain)
         if normal:
             return NormalVolume.at(super().read(f"{normal[1]} {_WORDS.get(normal[2].lower(), normal[2])}"))
@@ -599,7 +602,7 @@ class LeakRate(Quantity):
             return super().read(text)
         return Throughput(super().read(f"{throughput / STANDARD_PRESSURE!r} m^3/s"))
 
-    def _counted(self, number: float, what: str, time: str) -> float:
+    def _read_count(self, number: float, what: str, time: str) -> float:
         volume = BUBBLE_VOLUME if what == "bubble" else DROP_VOLUME
         rate = super().read(f"{number * volume!r} m^3/{time}")
         return Drops(rate) if what == "drop" else Bubbles.of(rate / volume, volume)

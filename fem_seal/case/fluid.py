@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fem_seal.case.fields import AbsolutePressure, Number, Numbers, OneOrMany, Quantity, Table, shown
+from fem_seal.case.fields import AbsolutePressure, Number, Numbers, OneOrMany, Quantity, Table, show
 from fem_seal.case.words import wrong
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
@@ -35,7 +35,7 @@ class Particles(Table):
     filter: Annotated[float, Quantity("length", "1 nm", "1 mm")] | None = None
 
     @model_validator(mode="after")
-    def _counted(self) -> Particles:
+    def _check_counts(self) -> Particles:
         if (self.iso_4406 is None) == (self.sizes is None):
             raise ValueError("give either iso_4406, or sizes and per_ml")
         if (self.sizes is None) != (self.per_ml is None):
@@ -82,12 +82,12 @@ class Fluid(Table):
         entry = _entry(name, _temperature(table))
         if entry is None:
             if "viscosity" not in table and name:
-                raise wrong("unknown_fluid", name=shown(name), known=_known(name))
+                raise wrong("unknown_fluid", name=show(name), known=_suggest_fluid(name))
             return table
-        filled = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
+        entries = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
         if hasattr(entry, "molar_mass"):
-            filled.setdefault("outlet_pressure", f"{STANDARD_PRESSURE!r} Pa")
-        return filled
+            entries.setdefault("outlet_pressure", f"{STANDARD_PRESSURE!r} Pa")
+        return entries
 
     @property
     def library_entry(self) -> Gas | Liquid | None:
@@ -102,13 +102,13 @@ class Fluid(Table):
         InputError
             If its properties are not known there.
         """
-        before = self.library_entry
+        old_entry = self.library_entry
         try:
             entry = _entry(self.name, temperature)
         except ValueError as error:
             raise InputError.at("fluid.temperature", f"in the film, {error}") from None
         update: dict[str, float] = {"temperature": temperature}
-        if before is not None and entry is not None and before.viscosity == self.viscosity:
+        if old_entry is not None and entry is not None and old_entry.viscosity == self.viscosity:
             update["viscosity"] = entry.viscosity
         return self.model_copy(update=update)
 
@@ -131,16 +131,16 @@ class Fluid(Table):
         from leak import Barus, Liquid, Roelands
 
         entry = self.library_entry
-        known = entry.pressure_law if isinstance(entry, Liquid) else None
-        compression = known.compression if isinstance(known, Barus | Roelands) else None
+        law = entry.pressure_law if isinstance(entry, Liquid) else None
+        compression = law.compression if isinstance(law, Barus | Roelands) else None
         if self.pressure_viscosity is not None:
             return Barus(self.pressure_viscosity, compression, _BARUS_HOLDS)
         if self.roelands_z is not None and self.viscosity > _LEAST_OF_ROELANDS:
             return Roelands(self.roelands_z, self.viscosity, compression)
-        if isinstance(known, Roelands) and self.viscosity > _LEAST_OF_ROELANDS:
+        if isinstance(law, Roelands) and self.viscosity > _LEAST_OF_ROELANDS:
             # a thicker oil thickens more
-            return replace(known, viscosity=self.viscosity)
-        return known
+            return replace(law, viscosity=self.viscosity)
+        return law
 
     @property
     def density(self) -> float | None:
@@ -179,14 +179,14 @@ def _entry(name: str, temperature: float) -> Gas | Liquid | None:
     return liquid(name, temperature) if is_liquid(name) else None
 
 
-def _known(name: str) -> str:
+def _suggest_fluid(name: str) -> str:
     from difflib import get_close_matches
 
     from leak import FLUIDS, GASES
 
-    names, word = {known.lower(): known for known in (*FLUIDS, *GASES)}, name.lower()
-    with_it = [known for known in names if len(word) > 2 and word in known]
-    near = [names[one] for one in with_it or get_close_matches(word, names, n=1)]
-    close = [_OTHER_NAMES[word]] if word in _OTHER_NAMES else near
+    names, word = {fluid.lower(): fluid for fluid in (*FLUIDS, *GASES)}, name.lower()
+    with_it = [fluid for fluid in names if len(word) > 2 and word in fluid]
+    likely = [names[fluid] for fluid in with_it or get_close_matches(word, names, n=1)]
+    close = [_OTHER_NAMES[word]] if word in _OTHER_NAMES else likely
     hint = f"do you mean {' or '.join(close)}? " if close else ""
-    return hint + "known are " + ", ".join(f'"{known}"' for known in names.values())
+    return hint + "known are " + ", ".join(f'"{fluid}"' for fluid in names.values())

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from fem_seal.case.fields import Quantity, Table, Whole, shown
+from fem_seal.case.fields import Quantity, Table, Whole, show
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
@@ -29,7 +29,7 @@ TURN = Quantity("angle", "-360 deg", "360 deg")
 # What a trace is read for unless it says more: the filter that drawings of small seats call for.
 _USUAL_WAVES = 15
 # Share of a deviation along the normal that is none: cos of 90 degrees in floating point, and far more.
-_ACROSS = 1e-9
+_LEAST_SHARE = 1e-9
 
 
 class Harmonic(Table):
@@ -61,9 +61,9 @@ class MeasuredTrace(Table):
         try:
             trace = read_trace(self.file, self.unit)
         except TextTableError as error:
-            raise ValueError(f"file = {shown(self.file)} {error}") from None
+            raise ValueError(f"file = {show(self.file)} {error}") from None
         if trace.most_waves < 2:
-            raise wrong("sparse_trace", file=shown(self.file), gap=math.degrees(trace.widest_gap))
+            raise wrong("sparse_trace", file=show(self.file), gap=math.degrees(trace.widest_gap))
         object.__setattr__(self, "_trace", trace)
         return self
 
@@ -74,13 +74,13 @@ class MeasuredTrace(Table):
         return self._trace
 
     @property
-    def told(self) -> int:
+    def usable_waves(self) -> int:
         """Most waves per turn that are taken: what is asked for, and what the points can tell."""
         return min(self.waves, self.trace.most_waves)
 
-    def found(self) -> tuple[Wave, ...]:
+    def find_waves(self) -> tuple[Wave, ...]:
         """Waves of the trace from two on: the least-squares circle, which only says how the part stood, is removed."""
-        return self.trace.waves(self.told)[1:]
+        return self.trace.waves(self.usable_waves)[1:]
 
     def remarks(self, body: str) -> list[str]:
         """What is to be said about the trace.
@@ -90,16 +90,18 @@ class MeasuredTrace(Table):
         body : str
             "closure" or "seat".
         """
-        said = []
-        if self.told < self.waves:
+        sentences = []
+        if self.usable_waves < self.waves:
             gap = math.degrees(self.trace.widest_gap)
-            said.append(sentence("few_waves", body=body, gap=gap, told=self.told, waves=self.waves))
-        waves = self.trace.waves(self.told)
-        rest, height = self.trace.left_over(waves), math.sqrt(sum(one.amplitude**2 for one in waves[1:]) / 2)
+            sentences.append(
+                sentence("few_waves", body=body, gap=gap, told=self.usable_waves, waves=self.waves)
+            )
+        waves = self.trace.waves(self.usable_waves)
+        rest, height = self.trace.left_over(waves), math.sqrt(sum(w.amplitude**2 for w in waves[1:]) / 2)
         if rest > height:
             heights = {"rest": 1e6 * rest, "height": 1e6 * height}
-            said.append(sentence("short_waves", body=body, told=self.told, **heights))
-        return said
+            sentences.append(sentence("short_waves", body=body, told=self.usable_waves, **heights))
+        return sentences
 
 
 class Scratch(Table):
@@ -111,7 +113,7 @@ class Scratch(Table):
     direction: Annotated[float, Quantity("angle", "-85 deg", "85 deg")] = 0.0
 
     @property
-    def placed(self) -> PlacedGroove:
+    def groove(self) -> PlacedGroove:
         """The scratch at its angle."""
         from leak import Scratch as Groove
 
@@ -129,7 +131,7 @@ class Lay(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _measured(cls, table: Any) -> Any:
+    def _read_profile(cls, table: Any) -> Any:
         if not isinstance(table, dict) or not isinstance(table.get("profile"), str):
             return table
         from fem_seal.case.traces import read_lay
@@ -137,7 +139,7 @@ class Lay(Table):
         try:
             pitch, depth = read_lay(table["profile"])
         except TextTableError as error:
-            raise ValueError(f"profile = {shown(table['profile'])} {error}") from None
+            raise ValueError(f"profile = {show(table['profile'])} {error}") from None
         return {"pitch": f"{pitch!r} m", "depth": f"{depth!r} m", **table}
 
     @model_validator(mode="after")
@@ -149,7 +151,7 @@ class Lay(Table):
         return self
 
     @property
-    def placed(self) -> PlacedGroove:
+    def groove(self) -> PlacedGroove:
         """The groove all around."""
         from leak import EllipticGroove, SinusoidalGroove, SpiralLay
 
@@ -174,9 +176,9 @@ class BodyForm(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> BodyForm:
-        given = [key for key in ("harmonics", "trace", "tolerance") if getattr(self, key) not in (None, ())]
-        if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)} both say what the deviations are; keep one of them")
+        sources = [key for key in ("harmonics", "trace", "tolerance") if getattr(self, key) not in (None, ())]
+        if len(sources) > 1:
+            raise ValueError(f"{' and '.join(sources)} both say what the deviations are; keep one of them")
         if self.tolerance is None and "tolerance_waves" in self.model_fields_set:
             raise ValueError("tolerance_waves is only for a tolerance; give tolerance as well, or remove it")
         if self.tolerance_waves[0] > self.tolerance_waves[1]:
@@ -187,8 +189,8 @@ class BodyForm(Table):
     def deviations(self) -> tuple[Wave, ...]:
         """Waves of the body's own deviation."""
         if self.trace is not None:
-            return self.trace.found()
-        return tuple(Wave(one.waves, one.amplitude, one.phase) for one in self.harmonics)
+            return self.trace.find_waves()
+        return tuple(Wave(harmonic.waves, harmonic.amplitude, harmonic.phase) for harmonic in self.harmonics)
 
 
 class Form(Table):
@@ -223,14 +225,14 @@ class Form(Table):
             Of the contact normal to the axis [rad].
         """
         rigid = [key for key in ("eccentricity", "tilt") if getattr(self, key) and self.guide == "free"]
-        said = [sentence("free_closure", key=key) for key in rigid]
+        remarks = [sentence("free_closure", key=key) for key in rigid]
         for name, part in self.parts.items():
-            if self.guide == "free" and any(one.waves == 1 and one.amplitude for one in part.harmonics):
-                said.append(sentence("one_wave", body=name))
-            if abs(along_normal(part.direction, _normal(angle))) < _ACROSS:
-                other = "axial" if part.direction == "radial" else "radial"
-                said.append(sentence("across_normal", body=name, direction=part.direction, other=other))
-        return said
+            if self.guide == "free" and any(wave.waves == 1 and wave.amplitude for wave in part.harmonics):
+                remarks.append(sentence("one_wave", body=name))
+            if abs(along_normal(part.direction, _normal(angle))) < _LEAST_SHARE:
+                way = "axial" if part.direction == "radial" else "radial"
+                remarks.append(sentence("across_normal", body=name, direction=part.direction, other=way))
+        return remarks
 
     def error(self, angle: float, initial_contact_radius: float) -> FormError:
         """What the table does to the gap.
@@ -246,20 +248,20 @@ class Form(Table):
         waves = [
             *rigid_wave(normal, initial_contact_radius, *offset, self.tilt, self.tilt_angle, self.tilt_height)
         ]
-        highest, zone, tried, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
+        highest, zone, wave_range, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
         for name, part in self.parts.items():
             share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)
-            waves += [Wave(one.waves, share * one.amplitude, one.phase) for one in part.deviations]
-            highest = max([highest, *(one.waves for one in part.deviations)])
+            waves += [Wave(wave.waves, share * wave.amplitude, wave.phase) for wave in part.deviations]
+            highest = max([highest, *(wave.waves for wave in part.deviations)])
             if part.tolerance is not None:
                 zone += 0.5 * abs(share) * part.tolerance
-                fewest, most = part.tolerance_waves
-                tried = [min(tried[0], fewest), max(tried[1], most)]
-                highest = max(highest, most)
+                smallest, largest = part.tolerance_waves
+                wave_range = [min(wave_range[0], smallest), max(wave_range[1], largest)]
+                highest = max(highest, largest)
             if part.trace is not None:
                 remarks += part.trace.remarks(name)
-        tolerance = WaveTolerance(zone, (tried[0], tried[1])) if zone else None
-        grooves = [one.placed for one in self.scratches] + ([] if self.lay is None else [self.lay.placed])
+        tolerance = WaveTolerance(zone, (wave_range[0], wave_range[1])) if zone else None
+        grooves = [cut.groove for cut in self.scratches] + ([] if self.lay is None else [self.lay.groove])
         return FormError(
             combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
         )

@@ -104,15 +104,15 @@ class LibraryCurve(NamedTuple):
 def _read_library() -> tuple[dict[str, Material], dict[str, LibraryCurve], dict[str, str]]:
     tables = dict(own_tables("materials.toml"))
     sources, aliases = tables.pop("sources"), tables.pop("aliases")
-    found = {name: _material(name, entry, sources) for name, entry in tables.items()}
+    materials = {name: _material(name, entry, sources) for name, entry in tables.items()}
     curves = {
         name: _library_curve(entry["curve"], sources) for name, entry in tables.items() if "curve" in entry
     }
-    return found, curves, aliases
+    return materials, curves, aliases
 
 
 def _library_curve(entry: dict[str, Any], sources: dict[str, str]) -> LibraryCurve:
-    stress = tuple(float(f"{one}e6") for one in entry["stress"])
+    stress = tuple(float(f"{number}e6") for number in entry["stress"])
     return LibraryCurve(HardeningCurve(tuple(entry["strain"]), stress), entry["source"].format(**sources))
 
 
@@ -132,12 +132,12 @@ def _material(name: str, entry: dict[str, Any], sources: dict[str, str]) -> Mate
     tables = tuple(
         table for key in _KEYS if (table := _property_over_temperature(key, entry, sources)) is not None
     )
-    beside = [f"{_KEYS[table.key][2]}: {table.source}" for table in tables if table.source]
+    table_sources = [f"{_KEYS[table.key][2]}: {table.source}" for table in tables if table.source]
     source = entry["source"].format(**sources)
     return Material(
         name,
         poissons_ratio=entry["nu"],
-        source=f"{source}. Over temperature: {'; '.join(beside)}" if beside else source,
+        source=f"{source}. Over temperature: {'; '.join(table_sources)}" if table_sources else source,
         condition=entry["condition"],
         creeps=entry.get("creeps", False),
         over_temperature=tables,
@@ -152,7 +152,7 @@ def _property_over_temperature(
     word, exponent, _ = _KEYS[key]
     table = entry.get("over", {}).get(word, {})
     # of the decimal fraction the float beside it: 129.8 * 1e9 is another one
-    warm = [float(f"{one}e{exponent}") for one in table.get("value", ())]
+    warm = [float(f"{number}e{exponent}") for number in table.get("value", ())]
     if key == "hardness" and "HV" in entry:
         # three digits: no hardness is known better
         first = float(f"{vickers_pressure(entry['HV']):.3g}")
@@ -163,15 +163,15 @@ def _property_over_temperature(
     else:
         return None
     if table.get("scaled"):
-        warm = [float(f"{first * one / warm[0]:.6g}") for one in warm]
-    at = [float(one) for one in table.get("C", ())]
+        warm = [float(f"{first * number / warm[0]:.6g}") for number in warm]
+    at = [float(temperature) for temperature in table.get("C", ())]
     if key == "thermal_expansion" and not at:
         at, warm = [float(entry.get("expansion_to", _EXPANSION_TO))], [first]
     if not at or at[0] > _ROOM:
         at, warm = [_ROOM, *at], [first, *warm]
     return OverTemperature(
         key,
-        (ROOM_TEMPERATURE, *(round(one + 273.15, 6) for one in at[1:])),
+        (ROOM_TEMPERATURE, *(round(temperature + 273.15, 6) for temperature in at[1:])),
         (first, *warm[1:]),
         nearest=True,
         source=table.get("source", "").format(**sources),
@@ -196,11 +196,11 @@ def suggestion(name: str, key: str, unit: str) -> str:
     >>> suggestion("my steel", "thermal_conductivity", "W/(m K)")
     'give it, in W/(m K), from the data sheet of the material'
     """
-    known = library_name(name)
-    number = None if known is None else getattr(LIBRARY[known], key)
+    entry = library_name(name)
+    number = None if entry is None else getattr(LIBRARY[entry], key)
     if number is None:
         return f"give it, in {unit}, from the data sheet of the material"
-    return f'give it, in {unit}; the library has "{number:.4g} {unit}" for {known} at {in_degrees(ROOM_TEMPERATURE)}'
+    return f'give it, in {unit}; the library has "{number:.4g} {unit}" for {entry} at {in_degrees(ROOM_TEMPERATURE)}'
 
 
 _MATERIALS, _CURVES, _ALIASES = _read_library()
@@ -214,7 +214,7 @@ CURVES = MappingProxyType(_CURVES)
 ALIASES = MappingProxyType(_ALIASES)
 """Other word -> name in `LIBRARY`, read-only."""
 
-_KNOWN = {_key(word): name for word, name in (*ALIASES.items(), *((name, name) for name in LIBRARY))}
+_NAMES_BY_KEY = {_key(word): name for word, name in (*ALIASES.items(), *((name, name) for name in LIBRARY))}
 
 
 def library_name(name: str) -> str | None:
@@ -230,7 +230,7 @@ def library_name(name: str) -> str | None:
     >>> library_name("AISI 316L"), library_name("1.4404"), library_name("unobtainium")
     ('316L', '316L', None)
     """
-    return _KNOWN.get(_key(name))
+    return _NAMES_BY_KEY.get(_key(name))
 
 
 def similar_names(name: str) -> list[str]:
@@ -246,9 +246,9 @@ def similar_names(name: str) -> list[str]:
     ['stellite 6']
     """
     key = _key(name)
-    near = difflib.get_close_matches(key, _KNOWN, n=6, cutoff=0.76)
-    inside = [known for known in _KNOWN if len(key) > 3 and key in known]
-    return list(dict.fromkeys(_KNOWN[known] for known in (*near, *inside)))[:3]
+    likely = difflib.get_close_matches(key, _NAMES_BY_KEY, n=6, cutoff=0.76)
+    longer = [word for word in _NAMES_BY_KEY if len(key) > 3 and key in word]
+    return list(dict.fromkeys(_NAMES_BY_KEY[word] for word in (*likely, *longer)))[:3]
 
 
 def material(name: str) -> Material:
@@ -272,13 +272,13 @@ def material(name: str) -> Material:
     >>> print(f"{seat.youngs_modulus / 1e9:.0f} GPa, {seat.hardness / 1e9:.1f} GPa: {seat.condition[:4]}")
     209 GPa, 4.6 GPa: cast
     """
-    known = library_name(name)
-    if known is None:
-        near = similar_names(name)
-        hint = f"do you mean {' or '.join(repr(one) for one in near)}? ".replace("'", '"') if near else ""
-        listed = ", ".join(f'"{one}"' for one in LIBRARY)
-        raise InputError.at("material", f"not in the library; {hint}known are {listed}", repr(name))
-    return LIBRARY[known]
+    entry = library_name(name)
+    if entry is None:
+        likely = similar_names(name)
+        hint = f"do you mean {' or '.join(repr(w) for w in likely)}? ".replace("'", '"') if likely else ""
+        names = ", ".join(f'"{material_name}"' for material_name in LIBRARY)
+        raise InputError.at("material", f"not in the library; {hint}known are {names}", repr(name))
+    return LIBRARY[entry]
 
 
 def library_curve(name: str) -> LibraryCurve:
@@ -299,16 +299,16 @@ def library_curve(name: str) -> LibraryCurve:
     >>> library_curve("1.4404").hardening.yield_stress / 1e6
     200.0
     """
-    found = CURVES.get(library_name(name) or "")
-    if found is None:
-        listed = ", ".join(f'"{one}"' for one in CURVES)
+    curve = CURVES.get(library_name(name) or "")
+    if curve is None:
+        names = ", ".join(f'"{material_name}"' for material_name in CURVES)
         raise InputError.at(
             "stress_strain",
-            f"the library has no curve of {name or 'a material without a name'}, only of {listed}; write one out, "
+            f"the library has no curve of {name or 'a material without a name'}, only of {names}; write one out, "
             'such as { plastic_strain = [0, 0.1], stress = ["250 MPa", "350 MPa"] }',
             '"library"',
         )
-    return found
+    return curve
 
 
 _STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
@@ -389,8 +389,8 @@ def _read(table: TextTable) -> list[TensileTest]:
         raise TextTableError(sentence("curve_columns", columns=", ".join(table.header)))
 
     def read(role: str) -> list[float]:
-        found: list[float] = column(table, places[role], _NAMES[role][0]).tolist()
-        return found
+        numbers: list[float] = column(table, places[role], _NAMES[role][0]).tolist()
+        return numbers
 
     strain, stress = read(kinds[0]), read("stress")
     if "temperature" not in places:
@@ -399,7 +399,7 @@ def _read(table: TextTable) -> list[TensileTest]:
     tests: list[TensileTest] = []
     for temperature, group in groupby(rows, key=itemgetter(0)):
         _, strains, stresses = zip(*group, strict=True)
-        if any(one.temperature == temperature for one in tests):
+        if any(test.temperature == temperature for test in tests):
             raise TextTableError(sentence("curve_rows", temperature=in_degrees(temperature)))
         tests.append(TensileTest(kinds[0], strains, stresses, temperature))
     return tests
@@ -421,13 +421,13 @@ class StressStrain(Table):
     @model_validator(mode="after")
     def _one_source(self) -> StressStrain:
         strains = [self.strain, self.plastic_strain]
-        written = self.file is None and strains.count(None) == 1 and self.stress is not None
+        is_in_case = self.file is None and strains.count(None) == 1 and self.stress is not None
         from_file = self.file is not None and strains.count(None) == 2 and self.stress is None
-        if not (written or from_file):
+        if not (is_in_case or from_file):
             raise wrong("curve_source")
         if self.file is not None:
-            measured = read_stress_strain(self.file)
-            if self.temperature is not None and measured[0].temperature is not None:
+            tests = read_stress_strain(self.file)
+            if self.temperature is not None and tests[0].temperature is not None:
                 raise ValueError(f"{self.file} has a column for the temperature; leave temperature out")
         return self
 
@@ -436,8 +436,8 @@ class StressStrain(Table):
         """What was measured, in the order of the temperatures; TextTableError if the file is no such table."""
         if self.file is not None:
             return [
-                one if one.temperature is not None else one._replace(temperature=self.temperature)
-                for one in read_stress_strain(self.file)
+                test if test.temperature is not None else test._replace(temperature=self.temperature)
+                for test in read_stress_strain(self.file)
             ]
         kind = "strain" if self.plastic_strain is None else "plastic_strain"
         strain = self.plastic_strain or self.strain or ()
@@ -461,7 +461,7 @@ Curves = Annotated[
 
 
 def _hardening(
-    given: StressStrain | tuple[StressStrain, ...] | Literal["library"] | None,
+    entry: StressStrain | tuple[StressStrain, ...] | Literal["library"] | None,
     name: str,
     youngs_modulus: Callable[[float | None], float],
 ) -> HardeningCurve | HardeningOverTemperature | None:
@@ -474,15 +474,15 @@ def _hardening(
     youngs_modulus : callable
         At a temperature [K]; None for that of the material as it stands.
     """
-    if given == "library":
+    if entry == "library":
         return HardeningOverTemperature((ROOM_TEMPERATURE,), (library_curve(name).hardening,), nearest=True)
-    tables = (given,) if isinstance(given, StressStrain) else given or ()
+    tables = (entry,) if isinstance(entry, StressStrain) else entry or ()
     tests = [test for table in tables for test in table.tests]
-    if given is None:
+    if entry is None:
         return None
-    without = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
-    if not tests or (without and len(tests) > 1):
-        what = f"curve {without[0]} has no temperature" if tests else "has no curve"
+    undated = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
+    if not tests or (undated and len(tests) > 1):
+        what = f"curve {undated[0]} has no temperature" if tests else "has no curve"
         raise InputError.at(
             "stress_strain", f'{what}; several curves need one each, such as temperature = "300 degC"'
         )
@@ -495,9 +495,9 @@ def _hardening(
                 raise
             which = f"curve {number} ({in_degrees(test.temperature or 0.0)})"
             raise InputError(
-                *(replace(one, message=f"{which}, {one.message}") for one in error.problems)
+                *(replace(fault, message=f"{which}, {fault.message}") for fault in error.problems)
             ) from None
-    if without:
+    if undated:
         return curves[0]
     return HardeningOverTemperature(tuple(test.temperature or 0.0 for test in tests), tuple(curves))
 
@@ -527,23 +527,23 @@ class MaterialTable(Table):
     creeps: bool = False
 
 
-def as_table(made: Material) -> dict[str, Any]:
+def as_table(entry: Material) -> dict[str, Any]:
     """What a case file says of a material that was made in code: its numbers as they stand, and its curve.
 
     Parameters
     ----------
-    made : Material
+    entry : Material
     """
-    found = {}
+    numbers = {}
     for key, field in MaterialTable.model_fields.items():
-        value = getattr(made, key, None)
+        value = getattr(entry, key, None)
         if value is not None and value is not False:
             quantity = next(quantities_of(field), None)
-            found[key] = f"{value!r} {DIMENSIONS[quantity.dimension].si_unit}" if quantity else value
-    if made.hardening is not None:
-        stress = [f"{one!r} Pa" for one in made.hardening.stress]
-        found["stress_strain"] = {"plastic_strain": list(made.hardening.plastic_strain), "stress": stress}
-    return found
+            numbers[key] = f"{value!r} {DIMENSIONS[quantity.dimension].si_unit}" if quantity else value
+    if entry.hardening is not None:
+        stress = [f"{stress!r} Pa" for stress in entry.hardening.stress]
+        numbers["stress_strain"] = {"plastic_strain": list(entry.hardening.plastic_strain), "stress": stress}
+    return numbers
 
 
 class MaterialEntry:
@@ -559,9 +559,9 @@ class MaterialEntry:
             handler(cast(core_schema.WrapValidatorFunctionSchema, schema)["schema"])
         )
         # a name from the library stands for the others
-        needed = table.pop("required", None)
-        if needed:
-            table["anyOf"] = [{"required": ["name"]}, {"required": needed}]
+        keys = table.pop("required", None)
+        if keys:
+            table["anyOf"] = [{"required": ["name"]}, {"required": keys}]
         # the names are offered, and any other word for one is accepted
         return {"anyOf": [{"type": "string", "enum": list(LIBRARY)}, {"type": "string"}, table]}
 
@@ -580,12 +580,12 @@ class MaterialEntry:
         curve = value.get("stress_strain")
         if isinstance(curve, str) and curve != "library":
             raise wrong("curve_word", given=curve)
-        inherited = _left_out(value)
-        table = read_table({**inherited, **value})
+        library = _missing_entries(value)
+        table = read_table({**library, **value})
         try:
-            numbers, over = _over_temperature(table.model_dump(exclude={"stress_strain"}), _of_library(value))
-            _check_hardness(numbers["hardness"], numbers["yield_stress"], inherited)
-            modulus = next((one for one in over if one.key == "youngs_modulus"), None)
+            numbers, laws = _over_temperature(table.model_dump(exclude={"stress_strain"}), _of_library(value))
+            _check_hardness(numbers["hardness"], numbers["yield_stress"], library)
+            modulus = next((law for law in laws if law.key == "youngs_modulus"), None)
             hardening = _hardening(
                 table.stress_strain,
                 str(value.get("name", "")),
@@ -593,14 +593,14 @@ class MaterialEntry:
             )
             several = isinstance(hardening, HardeningOverTemperature)
             numbers["hardening_over_temperature" if several else "hardening"] = hardening
-            return Material(**numbers, over_temperature=over, **_origin(value))
+            return Material(**numbers, over_temperature=laws, **_origin(value))
         except InputError as error:
             raise ValueError(str(error)) from None
 
 
-def _check_hardness(hardness: float | None, yield_stress: float | None, inherited: dict[str, Any]) -> None:
+def _check_hardness(hardness: float | None, yield_stress: float | None, library: dict[str, Any]) -> None:
     if hardness is not None and yield_stress is not None and hardness < yield_stress:
-        whose = [" (of the library)" if key in inherited else "" for key in ("hardness", "yield_stress")]
+        whose = [" (of the library)" if key in library else "" for key in ("hardness", "yield_stress")]
         raise wrong("soft", hardness=hardness / 1e6, yield_stress=yield_stress / 1e6, whose=whose)
 
 
@@ -629,7 +629,7 @@ def _over_temperature(
 
 
 # What a table with a name from the library may leave out, with the unit in which it is written.
-_INHERITED = {
+_LIBRARY_UNITS = {
     "youngs_modulus": " Pa",
     "poissons_ratio": None,
     "hardness": " Pa",
@@ -653,23 +653,23 @@ def library_table(name: str) -> dict[str, Any]:
     >>> library_table("brass")
     {'name': 'brass', 'youngs_modulus': '100600000000.0 Pa', 'poissons_ratio': 0.35, 'creeps': False}
     """
-    known = library_name(name)
-    if known is None:
+    library_entry = library_name(name)
+    if library_entry is None:
         return {}
-    one, written = LIBRARY[known], dict[str, Any]()
-    for key, unit in _INHERITED.items():
-        number, table = getattr(one, key), one.table(key)
+    entry, numbers = LIBRARY[library_entry], dict[str, Any]()
+    for key, unit in _LIBRARY_UNITS.items():
+        number, table = getattr(entry, key), entry.table(key)
         if table is not None and table.changes:
-            written[key] = {
+            numbers[key] = {
                 "temperature": [f"{at!r} K" for at in table.temperature],
                 "value": [f"{value!r}{unit}" for value in table.value],
             }
         elif number is not None:
-            written[key] = number if unit is None else f"{number!r}{unit}"
-    return {"name": name, **written}
+            numbers[key] = number if unit is None else f"{number!r}{unit}"
+    return {"name": name, **numbers}
 
 
-def inheriting(value: dict[str, Any]) -> dict[str, Any]:
+def fill_from_library(value: dict[str, Any]) -> dict[str, Any]:
     """A table of a material with what it takes from the library written out.
 
     Parameters
@@ -679,54 +679,54 @@ def inheriting(value: dict[str, Any]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> inheriting({"name": "brass", "hardness": "1 GPa"})["youngs_modulus"]
+    >>> fill_from_library({"name": "brass", "hardness": "1 GPa"})["youngs_modulus"]
     '100600000000.0 Pa'
     """
-    return {**_left_out(value), **value}
+    return {**_missing_entries(value), **value}
 
 
 def _of_library(value: dict[str, Any]) -> dict[str, OverTemperature]:
     """What the library knows over temperature of the numbers that a table takes from it, or has written out."""
-    of_library, whole = library_table(str(value.get("name", ""))), inheriting(value)
+    of_library, whole = library_table(str(value.get("name", ""))), fill_from_library(value)
     if not of_library:
         return {}
     tables = material(of_library["name"]).over_temperature
-    return {one.key: one for one in tables if whole.get(one.key) == of_library[one.key]}
+    return {table.key: table for table in tables if whole.get(table.key) == of_library[table.key]}
 
 
-def _left_out(value: dict[str, Any]) -> dict[str, Any]:
+def _missing_entries(value: dict[str, Any]) -> dict[str, Any]:
     """Entries that a table does not have and the library has under its name; ValueError for a slip in the name."""
     name = value.get("name")
     if not isinstance(name, str):
         return {}
     of_library = library_table(name)
     if not of_library and not {"youngs_modulus", "poissons_ratio"} & value.keys():
-        near = similar_names(name)
-        hint = " (do you mean " + " or ".join(f'"{one}"' for one in near) + "?)" if near else ""
+        likely = similar_names(name)
+        hint = " (do you mean " + " or ".join(f'"{word}"' for word in likely) + "?)" if likely else ""
         raise wrong("unknown_material", name=name, hint=hint)
     # With a modulus and a Poisson's ratio of its own it is another state of the material, a colder one for example:
     # hardness and yield stress of the library's would not be this one's. That it creeps is in its nature.
     complete = {"youngs_modulus", "poissons_ratio"} <= value.keys()
-    passed_over = (
+    other_state = (
         {"hardness", "yield_stress", "thermal_expansion", "thermal_conductivity"} if complete else set()
     )
     # a curve begins with its own yield stress
-    passed_over |= {"yield_stress"} if "stress_strain" in value else set()
-    return {key: entry for key, entry in of_library.items() if key not in passed_over | value.keys()}
+    other_state |= {"yield_stress"} if "stress_strain" in value else set()
+    return {key: entry for key, entry in of_library.items() if key not in other_state | value.keys()}
 
 
 def _origin(value: dict[str, Any]) -> dict[str, Any]:
     """What is said of where the numbers of a table are from."""
     of_library = library_table(str(value.get("name", "")))
-    own = [key for key in value if key != "name" and value[key] != of_library.get(key)]
-    if not of_library or {"youngs_modulus", "poissons_ratio"} <= set(own):
+    changed_keys = [key for key in value if key != "name" and value[key] != of_library.get(key)]
+    if not of_library or {"youngs_modulus", "poissons_ratio"} <= set(changed_keys):
         return {"source": "case file"}
-    known = material(of_library["name"])
+    library_material = material(of_library["name"])
     curve = value.get("stress_strain") == "library"
-    own = [key for key in own if not (curve and key == "stress_strain")]
-    words = f"{', '.join(own).replace('_', ' ')}: case file; " if own else ""
+    changed_keys = [key for key in changed_keys if not (curve and key == "stress_strain")]
+    words = f"{', '.join(changed_keys).replace('_', ' ')}: case file; " if changed_keys else ""
     of_curve = f"; stress_strain: {library_curve(of_library['name']).source}" if curve else ""
-    return {"source": words + known.source + of_curve, "condition": known.condition}
+    return {"source": words + library_material.source + of_curve, "condition": library_material.condition}
 
 
 MaterialField = Annotated[Material, MaterialEntry()]

@@ -22,7 +22,7 @@ _KEYS = {
     "leak_rate": "load.target_leak_rate",
 }
 _COLUMNS = (*_KEYS, "uncertainty", "fluid", "below")
-_NEEDED = ("fluid_pressure", "leak_rate")
+_REQUIRED_COLUMNS = ("fluid_pressure", "leak_rate")
 _ANSWERS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False, "": False}
 # Of a leak rate: what a flow meter or a bubble count reaches.
 USUAL_UNCERTAINTY = 0.1
@@ -82,14 +82,14 @@ def read_measured(case: Case, file: str | Path) -> tuple[MeasuredLeak, ...]:
         With line and column of an entry that is wrong.
     """
     try:
-        return measured_in(case, read_any_text(file))
+        return read_measured_text(case, read_any_text(file))
     except InputError as error:
         raise error.in_file(file) from None
     except TextTableError as error:
         raise InputError.at("", str(error), file=file) from None
 
 
-def measured_in(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
+def read_measured_text(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
     """Readings of a leak test in the text of such a file, see `read_measured`.
 
     Parameters
@@ -103,26 +103,26 @@ def measured_in(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
 def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
     if case.bolts is not None:
         raise InputError(problem("measured_bolts"))
-    kept = [
+    rows = [
         (n, line)
         for n, line in enumerate(text.split("\n"), 1)
         if line.strip() and not line.startswith(COMMENTS)
     ]
-    if len(kept) < 2:
+    if len(rows) < 2:
         raise InputError(problem("measured_empty"))
-    if len(kept) - 1 > _MOST_ROWS:
-        raise InputError(problem("measured_too_many", rows=len(kept) - 1, most=_MOST_ROWS))
-    separator = next((one for one in ";\t" if one in kept[0][1]), ",")
-    header, *cells = [cells_of(line, separator) for _, line in kept]
-    names = [_name_and_unit(one) for one in header]
-    known = [name for name, _ in names]
+    if len(rows) - 1 > _MOST_ROWS:
+        raise InputError(problem("measured_too_many", rows=len(rows) - 1, most=_MOST_ROWS))
+    separator = next((character for character in ";\t" if character in rows[0][1]), ",")
+    header, *cells = [cells_of(line, separator) for _, line in rows]
+    names = [_name_and_unit(cell) for cell in header]
+    columns = [name for name, _ in names]
     for name in (
-        *(one for one in known if one not in _COLUMNS),
-        *(one for one in _NEEDED if one not in known),
+        *(column for column in columns if column not in _COLUMNS),
+        *(column for column in _REQUIRED_COLUMNS if column not in columns),
     ):
-        which = "measured_column" if name in known else "measured_missing"
+        which = "measured_column" if name in columns else "measured_missing"
         raise InputError(problem(which, name=name, columns=", ".join(_COLUMNS)))
-    for (line, _), row in zip(kept[1:], cells, strict=True):
+    for (line, _), row in zip(rows[1:], cells, strict=True):
         if len(row) != len(header):
             raise InputError(problem("measured_row", line=line, cells=len(row), columns=len(header)))
         comma = separator != ","
@@ -141,42 +141,46 @@ def _name_and_unit(header: str) -> tuple[str, str]:
 def _measured_leak(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> MeasuredLeak:
     """A row of the table, by its columns: text and unit of the header."""
     changes: dict[str, Any] = {"requirement": None, "load.target_leak_rate": None}
-    less = entries["leak_rate"][0].startswith("<")
+    has_sign = entries["leak_rate"][0].startswith("<")
     for name, key in _KEYS.items():
         text, unit = entries.get(name, ("", ""))
         text = text.removeprefix("<").strip() if name == "leak_rate" else text
         if text:
             changes[key] = (
-                text if any(one.isalpha() for one in text.lower().replace("e", "")) else f"{text} {unit}"
+                text if any(c.isalpha() for c in text.lower().replace("e", "")) else f"{text} {unit}"
             )
-        elif name in _NEEDED:
+        elif name in _REQUIRED_COLUMNS:
             raise InputError(problem("measured_cell", line=line, name=name))
         elif name == "applied_force":
             changes[key] = _only_force(case, line)
     fluid = entries.get("fluid", ("", ""))[0]
     try:
-        changed = with_fluid(case, fluid) if fluid else case
-        changed = changed.replace({key: value for key, value in changes.items() if value is None})
-        found = changed.replace_written({key: one for key, one in changes.items() if one is not None})
+        row = with_fluid(case, fluid) if fluid else case
+        row = row.replace({key: value for key, value in changes.items() if value is None})
+        row = row.replace_written({key: value for key, value in changes.items() if value is not None})
     except InputError as error:
         columns = {key: name for name, key in _KEYS.items()} | {"fluid": "fluid"}
         raise InputError(
             *(
-                Problem(f"line {line}, column {columns.get(one.key, one.key)}", one.message, one.value)
-                for one in error.problems
+                Problem(f"line {line}, column {columns.get(item.key, item.key)}", item.message, item.value)
+                for item in error.problems
             )
         ) from None
-    rate = found.load.target_leak_rate
+    rate = row.load.target_leak_rate
     assert rate is not None
-    said = entries.get("below", ("", ""))[0]
-    below = _ANSWERS.get(said.lower())
+    answer = entries.get("below", ("", ""))[0]
+    below = _ANSWERS.get(answer.lower())
     if below is None:
-        raise InputError(problem("measured_below", line=line, value=said))
-    if less and said and not below:
-        raise InputError(problem("measured_twice", line=line, value=said))
+        raise InputError(problem("measured_below", line=line, value=answer))
+    if has_sign and answer and not below:
+        raise InputError(problem("measured_twice", line=line, value=answer))
     # a load alone is no search for the force of a target
     return MeasuredLeak(
-        line, found.replace({"load.target_leak_rate": None}), rate, _uncertainty(line, entries), below or less
+        line,
+        row.replace({"load.target_leak_rate": None}),
+        rate,
+        _uncertainty(line, entries),
+        below or has_sign,
     )
 
 
@@ -195,12 +199,12 @@ def with_fluid(case: Case, name: str) -> Case:
     """
     if case.fluid is not None and name.lower() == case.fluid.name.lower():
         return case
-    given = () if case.fluid is None else case.fluid.model_fields_set - {"name", "temperature"}
-    changes: dict[str, Any] = dict.fromkeys(f"fluid.{key}" for key in sorted(given))
+    keys = () if case.fluid is None else case.fluid.model_fields_set - {"name", "temperature"}
+    changes: dict[str, Any] = dict.fromkeys(f"fluid.{key}" for key in sorted(keys))
     if case.uncertainty is not None and case.uncertainty.viscosity is not None:
         changes["uncertainty.viscosity"] = None  # of the other one
         if not case.uncertainty.spreads.keys() - {"viscosity"}:
-            changes = {key: one for key, one in changes.items() if not key.startswith("uncertainty")}
+            changes = {key: value for key, value in changes.items() if not key.startswith("uncertainty")}
             changes["uncertainty"] = None
     return case.replace({**changes, "fluid.name": name})
 

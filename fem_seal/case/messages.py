@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from fem_seal.case.fields import Table, key_of, shown
+from fem_seal.case.fields import Table, key_of, show
 from fem_seal.case.material_table import CURVE_FORMS
 from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.case.words import gone_entry, sentence
@@ -28,11 +28,11 @@ _EXAMPLES = {
 
 def problems(error: ValidationError, case: type[BaseModel]) -> list[Problem]:
     """One `Problem` for each error of the validation of `case`."""
-    found = [_problem(details, case) for details in error.errors(include_url=False)]
+    faults = [_problem(details, case) for details in error.errors(include_url=False)]
     # which keys a table needs depends on its shape: with a wrong shape, nothing else can be said about it
     forms = (".shape", ".kind")
-    undecided = {one.key.rpartition(".")[0] for one in found if one.key.endswith(forms)}
-    return [one for one in found if one.key.endswith(forms) or one.key.rpartition(".")[0] not in undecided]
+    vague = {item.key.rpartition(".")[0] for item in faults if item.key.endswith(forms)}
+    return [item for item in faults if item.key.endswith(forms) or item.key.rpartition(".")[0] not in vague]
 
 
 def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
@@ -41,9 +41,9 @@ def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str
     candidates: list[type[BaseModel]] = [case]
     table: type[BaseModel] | None = case
     for part in loc:
-        tagged = [one for one in candidates if len(candidates) > 1 and part in _tags(one).values()]
-        if tagged:
-            candidates = tagged
+        chosen = [kind for kind in candidates if len(candidates) > 1 and part in _tags(kind).values()]
+        if chosen:
+            candidates = chosen
             continue
         if part in CURVE_FORMS:
             continue
@@ -68,9 +68,9 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     kind, value, ctx = details["type"], details["input"], details.get("ctx", {})
     key, name = ".".join(path), path[-1] if path else ""
     if kind == "missing":
-        return Problem(key, missing(table, name).message)
+        return Problem(key, missing_key(table, name).message)
     if kind == "extra_forbidden" and (remedy := gone_entry(key)):
-        return Problem(key, remedy, shown(value))
+        return Problem(key, remedy, show(value))
     if kind == "extra_forbidden":
         return Problem(key, _UnknownKey(path, value, table, case).message)
     if kind == "union_tag_not_found":
@@ -78,22 +78,20 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     if kind == "union_tag_invalid":
         word = str(ctx["tag"])
         key = f"{key}.{str(ctx['discriminator']).strip(chr(39))}"
-        return Problem(
-            key, _choice(word, str(ctx["expected_tags"]).replace("'", "").split(", ")), shown(word)
-        )
+        return Problem(key, _choice(word, str(ctx["expected_tags"]).replace("'", "").split(", ")), show(word))
     if kind == "literal_error" and table is not None:
-        remedy = gone_entry(f"{key} = {shown(value)}") or _choice(value, choices(table, name))
-        return Problem(key, remedy, shown(value))
+        remedy = gone_entry(f"{key} = {show(value)}") or _choice(value, choices(table, name))
+        return Problem(key, remedy, show(value))
     if kind == "value_error":
-        return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else shown(value))
+        return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else show(value))
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return Problem(key, _no_table(key, name, table), shown(value))
+        return Problem(key, _no_table(key, name, table), show(value))
     if kind in ("bool_type", "tuple_type", "list_type", "string_type", "invalid_key"):
-        return Problem(key, sentence(kind, name=name), shown(value))
-    return Problem(key, details["msg"][:1].lower() + details["msg"][1:], shown(value))
+        return Problem(key, sentence(kind, name=name), show(value))
+    return Problem(key, details["msg"][:1].lower() + details["msg"][1:], show(value))
 
 
-def missing(table: type[BaseModel] | None, name: str) -> Problem:
+def missing_key(table: type[BaseModel] | None, name: str) -> Problem:
     """What is said where an entry of a table is missing."""
     return Problem(name, f"is missing; {_what_to_write(table, name)}")
 
@@ -104,13 +102,13 @@ def _no_table(key: str, name: str, parent: type[BaseModel] | None) -> str:
     tables = tables_of(field) if field else []
     if not tables:
         return "must be a table, { ... }"
-    given = [
-        (one, entry, told.example)
-        for one, entry in tables[0].model_fields.items()
-        if (told := key_of(tables[0], one)).examples
+    examples = [
+        (key_name, entry, description.example)
+        for key_name, entry in tables[0].model_fields.items()
+        if (description := key_of(tables[0], key_name)).examples
     ]
-    needed = [each for each in given if each[1].is_required()] or given[:1]
-    entries = ", ".join(f"{one} = {toml(example)}" for one, _, example in needed) or "..."
+    required_entries = [each for each in examples if each[1].is_required()] or examples[:1]
+    entries = ", ".join(f"{key_name} = {toml(example)}" for key_name, _, example in required_entries) or "..."
     return f"must be a table, [{key}] with its keys below, or {name} = {{ {entries} }}"
 
 
@@ -120,8 +118,8 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
         return "add it"
     key = key_of(table, name)
     if tables_of(field) and not key.meaning:
-        needed = [key for key, one in tables_of(field)[0].model_fields.items() if one.is_required()]
-        return f"add a table [{name}] with {', '.join(needed)}"
+        keys = [key for key, entry in tables_of(field)[0].model_fields.items() if entry.is_required()]
+        return f"add a table [{name}] with {', '.join(keys)}"
     words = choices(table, name)
     if words:
         return f"write {name} = " + " or ".join(f'"{word}"' for word in words)
@@ -170,52 +168,52 @@ class _UnknownKey:
 
     @property
     def message(self) -> str:
-        known = _keys(self.table) if self.table else []
-        return f"unknown key; {self._hint(known)}known keys here are {', '.join(known)}"
+        keys = _keys(self.table) if self.table else []
+        return f"unknown key; {self._hint(keys)}known keys here are {', '.join(keys)}"
 
-    def _hint(self, known: Sequence[str]) -> str:
+    def _hint(self, keys: Sequence[str]) -> str:
         """Where it belongs: the very word in another table counts more than one like it in this table."""
         # "hurts" for "hurst", but also "Radius" and "youngs-modulus"
         name = _plain_word(self.path[-1])
-        here, everywhere = {_plain_word(key): key for key in known}, _places(self.case)
-        if name in here:
-            return f"do you mean {here[name]}? "
-        own = ".".join([*self.path[:-1], name])
-        if remedy := _OTHER_WORDS.get(own, _OTHER_WORDS.get(name)):
+        keys_here, everywhere = {_plain_word(key): key for key in keys}, _places(self.case)
+        if name in keys_here:
+            return f"do you mean {keys_here[name]}? "
+        path = ".".join([*self.path[:-1], name])
+        if remedy := _OTHER_WORDS.get(path, _OTHER_WORDS.get(name)):
             return f"{remedy} "
         if name in everywhere:
             key = everywhere[name][0]
-            again = "" if key == self.path[-1] else f"as {key} "
-            return f"it belongs {again}{self._belongs(*everywhere[name])}; "
+            spelling = "" if key == self.path[-1] else f"as {key} "
+            return f"it belongs {spelling}{self._belongs(*everywhere[name])}; "
         # "pressure_outlet" for "outlet_pressure"
-        turned = [key for key in known if sorted(key.split("_")) == sorted(self.path[-1].split("_"))]
-        if near := turned or difflib.get_close_matches(name, here, n=1, cutoff=0.6):
-            return f"do you mean {here[_plain_word(near[0])]}? "
-        if near := difflib.get_close_matches(name, everywhere, n=1, cutoff=0.8):
-            key = everywhere[near[0]][0]
-            return f"do you mean {key}, which belongs {self._belongs(*everywhere[near[0]])}? "
+        reordered = [key for key in keys if sorted(key.split("_")) == sorted(self.path[-1].split("_"))]
+        if likely := reordered or difflib.get_close_matches(name, keys_here, n=1, cutoff=0.6):
+            return f"do you mean {keys_here[_plain_word(likely[0])]}? "
+        if likely := difflib.get_close_matches(name, everywhere, n=1, cutoff=0.8):
+            key = everywhere[likely[0]][0]
+            return f"do you mean {key}, which belongs {self._belongs(*everywhere[likely[0]])}? "
         return ""
 
     def _belongs(self, key: str, places: Sequence[_Place]) -> str:
         """In words: the places that take such a value, those nearest to where the key was written."""
-        here = [re.sub(r"\[\d+\]$", "", part) for part in self.path[:-1]]
-        own = [one.table for one in places if one.path == ".".join(here) and one.table is not self.table]
-        if words := [tag for one in own for tag in _tags(one)]:
+        path = [re.sub(r"\[\d+\]$", "", part) for part in self.path[:-1]]
+        rest = [p.table for p in places if p.path == ".".join(path) and p.table is not self.table]
+        if words := [tag for table in rest for tag in _tags(table)]:
             return f"to {_either(words)}"
 
         def distance(place: _Place) -> tuple[bool, int, int]:
             field = place.table.model_fields.get(key)
             other_form = bool(field is not None and tables_of(field)) is not isinstance(self.value, Mapping)
             parts = place.path.split(".")
-            shared = next((n for n, (a, b) in enumerate(zip(parts, here, strict=False)) if a != b), len(here))
-            return other_form, -shared, len(parts)
+            common = next((n for n, (a, b) in enumerate(zip(parts, path, strict=False)) if a != b), len(path))
+            return other_form, -common, len(parts)
 
-        least = min(map(distance, places))
-        headings = dict.fromkeys(place.heading for place in places if distance(place) == least)
+        shortest = min(map(distance, places))
+        headings = dict.fromkeys(place.heading for place in places if distance(place) == shortest)
         if any(headings):
             return f"in {_either(headings)}"
-        alone = tables_of(self.case.model_fields[key])
-        return f"in a table of its own, [{key}]" if alone else "above all tables"
+        tables = tables_of(self.case.model_fields[key])
+        return f"in a table of its own, [{key}]" if tables else "above all tables"
 
 
 def _plain_word(key: str) -> str:
@@ -223,11 +221,11 @@ def _plain_word(key: str) -> str:
 
 
 def _either(words: Iterable[str]) -> str:
-    listed = [*dict.fromkeys(words)]
+    names = [*dict.fromkeys(words)]
     # the last of one more is as short as "1 others"
-    if len(listed) > _PLACES + 1:
-        listed = [*listed[:_PLACES], f"{len(listed) - _PLACES} others"]
-    return " or ".join(filter(None, [", ".join(listed[:-1]), listed[-1]]))
+    if len(names) > _PLACES + 1:
+        names = [*names[:_PLACES], f"{len(names) - _PLACES} others"]
+    return " or ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
 
 
 def _keys(table: type[BaseModel]) -> list[str]:
@@ -237,14 +235,14 @@ def _keys(table: type[BaseModel]) -> list[str]:
 @cache
 def _places(case: type[BaseModel]) -> Mapping[str, tuple[str, Sequence[_Place]]]:
     """Every key of every table as it is written, and where it is known."""
-    found: dict[str, tuple[str, list[_Place]]] = {}
+    places: dict[str, tuple[str, list[_Place]]] = {}
     for place in _all_tables(_Place("", "", case)):
         if place.path == "bolts.material":
             # what is said of a material is meant of the bodies
             continue
         for key in _keys(place.table):
-            found.setdefault(_plain_word(key), (key, []))[1].append(place)
-    return found
+            places.setdefault(_plain_word(key), (key, []))[1].append(place)
+    return places
 
 
 def _all_tables(place: _Place) -> Iterator[_Place]:
@@ -252,8 +250,8 @@ def _all_tables(place: _Place) -> Iterator[_Place]:
     for key, field in place.table.model_fields.items():
         path = f"{place.path}.{key}".lstrip(".")
         heading = f"[[{path}]]" if _is_list(field.annotation) else f"[{path}]"
-        for below in tables_of(field):
-            yield from _all_tables(_Place(path, heading, below))
+        for subtable in tables_of(field):
+            yield from _all_tables(_Place(path, heading, subtable))
 
 
 def _is_list(annotation: Any) -> bool:
@@ -264,22 +262,22 @@ def _without_tag(key: str, value: object, tables: list[type[Table]]) -> Problem:
     """A table of which it is not known which of several it is."""
     tag = "shape" if any("shape" in table.model_fields for table in tables) else "kind"
     if not isinstance(value, Mapping):
-        return Problem(key, f"must be a table, such as {_EXAMPLES[tag]}", shown(value))
+        return Problem(key, f"must be a table, such as {_EXAMPLES[tag]}", show(value))
     words = " or ".join(f'{tag} = "{word}"' for table in tables for word in choices(table, tag))
     return Problem(f"{key}.{tag}", f"is missing; write {words}")
 
 
 def nearest(value: object, words: Sequence[str]) -> str | None:
     """The one of some words that a value was most likely meant to be; None if it is like none of them."""
-    near = difflib.get_close_matches(str(value).lower().replace("_", "-"), words, n=1, cutoff=0.5)
-    return near[0] if near else None
+    likely = difflib.get_close_matches(str(value).lower().replace("_", "-"), words, n=1, cutoff=0.5)
+    return likely[0] if likely else None
 
 
 def _choice(value: object, words: list[str]) -> str:
-    listed = " or ".join(f'"{word}"' for word in words)
-    near = nearest(value, words)
-    hint = f'; do you mean "{near}"?' if near else ""
-    return f"must be {listed}{hint}"
+    choices_text = " or ".join(f'"{word}"' for word in words)
+    likely = nearest(value, words)
+    hint = f'; do you mean "{likely}"?' if likely else ""
+    return f"must be {choices_text}{hint}"
 
 
 def toml(value: object) -> str:

@@ -12,7 +12,7 @@ from importlib.resources import files
 from typing import Any
 
 from fem_seal.case.case import Case, load_case
-from fem_seal.case.fields import shown
+from fem_seal.case.fields import show
 from fem_seal.case.messages import nearest
 from fem_seal.case.notation import partner, without_reference
 from fem_seal.errors import InputError, QuantityError
@@ -76,10 +76,10 @@ def template(name: str) -> str:
     '#:schema ../case.schema.json'
     """
     if name not in TEMPLATES:
-        near = nearest(name, TEMPLATES)
-        hint = f"; do you mean {near}?" if near else ""
+        likely = nearest(name, TEMPLATES)
+        hint = f"; do you mean {likely}?" if likely else ""
         raise InputError.at(
-            "--template", f"must be {', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}{hint}", shown(name)
+            "--template", f"must be {', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}{hint}", show(name)
         )
     return files("fem_seal").joinpath("templates", "cases", f"{name}.toml").read_text(encoding="utf-8")
 
@@ -107,11 +107,11 @@ def with_schema(text: str, place: str) -> str:
     return f"{_SCHEMA_LINE}{place}\n" + (rest if first.startswith(_SCHEMA_LINE) else text)
 
 
-def asked(text: str) -> list[tuple[Question, str, str]]:
+def find_questions(text: str) -> list[tuple[Question, str, str]]:
     """Questions that a text has an entry for, with path and present value of it as it is answered."""
-    known = {path: _plain(entry["value"]) for path, entry in _entries(text).items()}
-    places = [(one, next((path for path in one.paths if path in known), None)) for one in QUESTIONS]
-    return [(question, path, known[path]) for question, path in places if path is not None]
+    values = {path: _plain(entry["value"]) for path, entry in _entries(text).items()}
+    places = [(each, next((path for path in each.paths if path in values), None)) for each in QUESTIONS]
+    return [(question, path, values[path]) for question, path in places if path is not None]
 
 
 def with_entries(text: str, entries: Mapping[str, str]) -> str:
@@ -134,19 +134,19 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
     lines = text.splitlines()
     for path, value in entries.items():
         table, _, key = path.rpartition(".")
-        where = _entries("\n".join(lines))
-        other = f"{table}.{partner(key)}".lstrip(".") if partner(key) else None
-        at = where.get(path) or where.get(other or "")
+        lines_by_path = _entries("\n".join(lines))
+        partner_path = f"{table}.{partner(key)}".lstrip(".") if partner(key) else None
+        at = lines_by_path.get(path) or lines_by_path.get(partner_path or "")
         if at is not None:
             comment = at["comment"] or ""
-            written = f"{key} = {_toml(value, one=path == 'title')}"
+            new_line = f"{key} = {_toml(value, single=path == 'title')}"
             if comment:
                 # the comments stay below each other where there is room
                 column = len(lines[at["line"]]) - len(comment.lstrip())
-                written = f"{written:<{max(column - 2, 0)}}  {comment.lstrip()}"
-            lines[at["line"]] = written
+                new_line = f"{new_line:<{max(column - 2, 0)}}  {comment.lstrip()}"
+            lines[at["line"]] = new_line
             continue
-        ends = [one["line"] for known, one in where.items() if known.rpartition(".")[0] == table]
+        ends = [entry["line"] for name, entry in lines_by_path.items() if name.rpartition(".")[0] == table]
         if ends:
             lines.insert(max(ends) + 1, f"{key} = {_toml(value)}")
         else:
@@ -177,17 +177,17 @@ def with_own_finish(text: str, entries: Mapping[str, str]) -> tuple[str, dict[st
     Ra = "0.1 um"
     <BLANKLINE>
     """
-    block, own = _FINISH.search(text), dict(entries)
+    block, new_entries = _FINISH.search(text), dict(entries)
     faces = ("roughness.gasket" if "\n[gasket]" in text else "roughness.seat", "roughness.closure")
     if block is None or not any(path.rpartition(".")[0] in faces for path in entries):
-        return text, own
-    for path in [one for one in entries if one.rpartition(".")[0] == "roughness"]:
-        value = own.pop(path)
+        return text, new_entries
+    for path in [entry_path for entry_path in entries if entry_path.rpartition(".")[0] == "roughness"]:
+        value = new_entries.pop(path)
         for face in faces:
-            own.setdefault(f"{face}.{path.rpartition('.')[2]}", value)
+            new_entries.setdefault(f"{face}.{path.rpartition('.')[2]}", value)
     tables = "\n\n".join(f"[{face}]\n{block[1].rstrip()}" for face in faces)
-    before, after = text[: block.start()], text[block.end() :]
-    return before + tables + ("\n\n" if after else "\n") + after, own
+    head, tail = text[: block.start()], text[block.end() :]
+    return head + tables + ("\n\n" if tail else "\n") + tail, new_entries
 
 
 # What grows with a valve: its lengths, and the force with the area that the fluid pressure acts on.
@@ -197,7 +197,7 @@ _FORCE = "load.applied_force"
 _QUANTITY = re.compile(r"([-+\d.]+(?:[eE][-+]?\d+)?)\s*(.+)")
 
 
-def scaled(text: str, path: str, value: str, kept: Collection[str] = ()) -> str:
+def scale_case(text: str, path: str, value: str, fixed_paths: Collection[str] = ()) -> str:
     r"""The text of a case with all dimensions in proportion to one of them.
 
     Forces grow with the square, so that they are to the fluid's force what they were.
@@ -209,17 +209,17 @@ def scaled(text: str, path: str, value: str, kept: Collection[str] = ()) -> str:
         Of the dimension that is given.
     value : str
         What it becomes, such as ``"8 mm"``; one that is no length changes nothing, and the check of the case says so.
-    kept : collection of str
+    fixed_paths : collection of str
         Paths that stay as they are.
 
     Examples
     --------
-    >>> print(scaled('[seat]\nbore_diameter = "4 mm"\nedge_radius = "0.5 mm"', "seat.bore_diameter", "6 mm"))
+    >>> print(scale_case('[seat]\nbore_diameter = "4 mm"\nedge_radius = "0.5 mm"', "seat.bore_diameter", "6 mm"))
     [seat]
     bore_diameter = "4 mm"
     edge_radius = "0.75 mm"
     """
-    entries = {name: one["value"] for name, one in _entries(text).items()}
+    entries = {name: entry["value"] for name, entry in _entries(text).items()}
     if path not in entries or not _LENGTHS.fullmatch(path):
         return text
     try:
@@ -229,31 +229,31 @@ def scaled(text: str, path: str, value: str, kept: Collection[str] = ()) -> str:
     if not 0 < factor < math.inf or factor == 1.0:
         return text
     changes = {
-        name: _times(_plain(one), factor if name != _FORCE else factor**2)
-        for name, one in entries.items()
-        if (_LENGTHS.fullmatch(name) or name == _FORCE) and name not in (path, *kept)
+        name: _times(_plain(text_value), factor if name != _FORCE else factor**2)
+        for name, text_value in entries.items()
+        if (_LENGTHS.fullmatch(name) or name == _FORCE) and name not in (path, *fixed_paths)
     }
     return with_entries(text, changes)
 
 
-def for_angle(text: str, given: str) -> str:
+def for_angle(text: str, new_angle: str) -> str:
     """The text of a case whose ball, if it has one, touches a cone of another included angle on the circle of before.
 
     Parameters
     ----------
     text : str
-    given : str
+    new_angle : str
         Included angle of the seat.
     """
-    entries = {name: _plain(one["value"]) for name, one in _entries(text).items()}
-    path, own = "closure.diameter", entries.get("seat.included_angle")
-    if entries.get("closure.shape") != "ball" or own is None:
+    entries = {name: _plain(entry["value"]) for name, entry in _entries(text).items()}
+    path, old_angle = "closure.diameter", entries.get("seat.included_angle")
+    if entries.get("closure.shape") != "ball" or old_angle is None:
         return text
     try:
-        before, after = (math.cos(0.5 * parse_quantity(angle, "angle")) for angle in (own, given))
+        old, new = (math.cos(0.5 * parse_quantity(angle, "angle")) for angle in (old_angle, new_angle))
     except QuantityError:
         return text
-    return with_entries(text, {path: _times(entries[path], before / after)}) if after > 0 else text
+    return with_entries(text, {path: _times(entries[path], old / new)}) if new > 0 else text
 
 
 def _length(text: str) -> float:
@@ -287,14 +287,14 @@ def up_to(set_pressure: str) -> str | None:
     return ", ".join(_times(set_pressure, share) for share in (0.5, 0.8, 0.9))
 
 
-def required_class(text: str, given: str) -> dict[str, str]:
+def required_class(text: str, words_of_class: str) -> dict[str, str]:
     """Entries of [requirement] for a class that is given with or without its standard: "B", "FCI 70-2 V", "API 598".
 
     Parameters
     ----------
     text : str
         Of the case: its fluid and standard decide which classes there are.
-    given : str
+    words_of_class : str
 
     Raises
     ------
@@ -307,30 +307,32 @@ def required_class(text: str, given: str) -> dict[str, str]:
     tables = {name: table for name, table in _parse_tables(text).items() if name != "requirement"}
     fluid = load_case(tables).fluid
     gas = fluid is not None and fluid.gas is not None
-    known = {standard: classes_of(standard, gas=gas) for standard in STANDARDS}
-    own = _entries(text).get("requirement.standard")
-    first = standard_named(_plain(own["value"])) if own else None
-    words = given.strip()
-    asked_for = " ".join(re.sub(r"\b(class|rate)\b", "", words.lower()).split())
-    for standard in sorted(known, key=lambda one: one != first):
-        for name in known[standard]:
-            before = f" {asked_for}".removesuffix(f" {name.lower()}").strip()
-            if before != asked_for and (not before or standard_named(before) == standard):
+    by_standard = {standard: classes_of(standard, gas=gas) for standard in STANDARDS}
+    entry = _entries(text).get("requirement.standard")
+    first = standard_named(_plain(entry["value"])) if entry else None
+    words = words_of_class.strip()
+    words_left = " ".join(re.sub(r"\b(class|rate)\b", "", words.lower()).split())
+    for standard in sorted(by_standard, key=lambda standard: standard != first):
+        for name in by_standard[standard]:
+            rest = f" {words_left}".removesuffix(f" {name.lower()}").strip()
+            if rest != words_left and (not rest or standard_named(rest) == standard):
                 return {"requirement.standard": standard, "requirement.class": name}
         if standard_named(words) == standard:
-            if len(known[standard]) == 1:
-                return {"requirement.standard": standard, "requirement.class": known[standard][0]}
-            classes = ", ".join(known[standard])
+            if len(by_standard[standard]) == 1:
+                return {"requirement.standard": standard, "requirement.class": by_standard[standard][0]}
+            classes = ", ".join(by_standard[standard])
             raise InputError.at(
-                "--class", f"names a standard and no class; {standard} has {classes}", shown(given)
+                "--class", f"names a standard and no class; {standard} has {classes}", show(words_of_class)
             )
-    listed = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in known.items() if names)
+    names = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in by_standard.items() if names)
     raise InputError.at(
-        "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listed}", shown(given)
+        "--class",
+        f"is no class for {'a gas' if gas else 'a liquid'}; known are {names}",
+        show(words_of_class),
     )
 
 
-def for_fluid(text: str, given: AbstractSet[str]) -> dict[str, str | None]:
+def for_fluid(text: str, fixed: AbstractSet[str]) -> dict[str, str | None]:
     """Entries that follow from another fluid than the template's; None for one that goes.
 
     A temperature that is not given becomes that of the room, and a requirement that there is not for the fluid a leak
@@ -340,25 +342,25 @@ def for_fluid(text: str, given: AbstractSet[str]) -> dict[str, str | None]:
     ----------
     text : str
         Of the case, with the fluid.
-    given : set of str
+    fixed : set of str
         Paths that stay as they are.
     """
     changes: dict[str, str | None] = {}
-    known = _entries(text)
-    if "fluid.temperature" in known.keys() - given:
+    entries = _entries(text)
+    if "fluid.temperature" in entries.keys() - fixed:
         changes["fluid.temperature"] = "20 degC"
     try:
         read_text_case(text)
     except InputError as error:
-        if all(one.key.startswith("requirement.") for one in error.problems):
-            changes |= dict.fromkeys(known.keys() & {"requirement.standard", "requirement.class"} - given)
-            if "requirement.leak_rate" not in given:
+        if all(fault.key.startswith("requirement.") for fault in error.problems):
+            changes |= dict.fromkeys(entries.keys() & {"requirement.standard", "requirement.class"} - fixed)
+            if "requirement.leak_rate" not in fixed:
                 changes["requirement.leak_rate"] = "0.1 ml/min"
-    return {path: value for path, value in changes.items() if value is None or value != _value(known, path)}
+    return {path: value for path, value in changes.items() if value is None or value != _value(entries, path)}
 
 
-def _value(known: Mapping[str, dict[str, Any]], path: str) -> str | None:
-    return _plain(known[path]["value"]) if path in known else None
+def _value(entries: Mapping[str, dict[str, Any]], path: str) -> str | None:
+    return _plain(entries[path]["value"]) if path in entries else None
 
 
 def without_entry(text: str, path: str) -> str:
@@ -388,7 +390,7 @@ def _parse_tables(text: str) -> dict[str, Any]:
 
 def _entries(text: str) -> dict[str, dict[str, Any]]:
     """Entries by their path: value and comment as they are written, and the number of the line."""
-    found: dict[str, dict[str, Any]] = {}
+    entries: dict[str, dict[str, Any]] = {}
     table = ""
     for number, line in enumerate(text.splitlines()):
         heading = re.match(r"\[([\w.]+)\]", line)
@@ -397,24 +399,24 @@ def _entries(text: str) -> dict[str, dict[str, Any]]:
             table = heading[1]
         elif entry:
             path = f"{table}.{entry['key']}".lstrip(".")
-            found[path] = {"value": entry["value"], "comment": entry["comment"], "line": number}
-    return found
+            entries[path] = {"value": entry["value"], "comment": entry["comment"], "line": number}
+    return entries
 
 
 def _plain(value: str) -> str:
     """A value as people answer: texts without quotes, a list of them with commas."""
-    read = parse_toml(f"value = {value}")["value"]
-    if isinstance(read, list) and all(isinstance(one, str) for one in read):
-        return ", ".join(read)
-    return read if isinstance(read, str) else value
+    content = parse_toml(f"value = {value}")["value"]
+    if isinstance(content, list) and all(isinstance(item, str) for item in content):
+        return ", ".join(content)
+    return content if isinstance(content, str) else value
 
 
-def _toml(value: str, one: bool = False) -> str:
-    """A value as TOML: itself if it is, several texts as a list unless they are `one`, any other text in quotes."""
+def _toml(value: str, single: bool = False) -> str:
+    """A value as TOML: itself if it is, several texts as a list unless they are `single`, any other text in quotes."""
     try:
         parse_toml(f"value = {value}")
     except TomlError:
-        parts = [value] if one else [part.strip() for part in value.split(",")]
-        quoted = [json.dumps(part, ensure_ascii=False) for part in parts]
-        return f"[{', '.join(quoted)}]" if len(parts) > 1 else quoted[0]
+        parts = [value] if single else [part.strip() for part in value.split(",")]
+        texts = [json.dumps(part, ensure_ascii=False) for part in parts]
+        return f"[{', '.join(texts)}]" if len(parts) > 1 else texts[0]
     return value

@@ -18,7 +18,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from fem_seal.case.fields import Quantity, Table, quantities_of, shown
+from fem_seal.case.fields import Quantity, Table, quantities_of, show
 from fem_seal.case.material_table import MaterialTable
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem, QuantityError
@@ -27,8 +27,8 @@ from fem_seal.units import DIMENSIONS, NUMBER, exact_quantity, parse_quantity
 from leak.standards import STANDARD_PRESSURE
 
 # Other keys that say the same: one takes the place of the other.
-_OTHER = {"angle": "included_angle", "applied_force": "set_pressure"}
-_OTHER |= {other: key for key, other in _OTHER.items()}
+_PARTNERS = {"angle": "included_angle", "applied_force": "set_pressure"}
+_PARTNERS |= {partner_key: key for key, partner_key in _PARTNERS.items()}
 # A rounding has an R on every drawing.
 _ROUNDING = "edge_radius"
 _BODIES = ("closure", "seat", "gasket")
@@ -120,29 +120,29 @@ def partner(key: str) -> str | None:
     >>> partner("radius"), partner("included_angle"), partner("height")
     ('diameter', 'angle', None)
     """
-    if key in _OTHER:
-        return _OTHER[key]
-    stem, _, last = key.rpartition("_")
-    other = {"radius": "diameter", "diameter": "radius"}.get(last)
-    return None if other is None else f"{stem}_{other}" if stem else other
+    if key in _PARTNERS:
+        return _PARTNERS[key]
+    stem, _, ending = key.rpartition("_")
+    partner_ending = {"radius": "diameter", "diameter": "radius"}.get(ending)
+    return None if partner_ending is None else f"{stem}_{partner_ending}" if stem else partner_ending
 
 
 def same_entry(path: str) -> str:
     """Path of the key for a path that may end in a drawing's word: "seat.bore_radius" for "seat.bore_diameter"."""
-    body, _, last = path.rpartition(".")
-    if body.split(".")[0] in _BODIES and last.endswith(("diameter", "included_angle")):
-        return f"{body}.{partner(last)}"
+    body, _, key = path.rpartition(".")
+    if body.split(".")[0] in _BODIES and key.endswith(("diameter", "included_angle")):
+        return f"{body}.{partner(key)}"
     return path
 
 
 def said_twice(paths: Mapping[str, Any] | list[str]) -> tuple[str, str] | None:
     """Two of some paths that are words for the same entry; None if there are none."""
-    known: dict[str, str] = {}
+    paths_by_entry: dict[str, str] = {}
     for path in paths:
         entry = same_entry(str(path))
-        if entry in known:
-            return known[entry], str(path)
-        known[entry] = str(path)
+        if entry in paths_by_entry:
+            return paths_by_entry[entry], str(path)
+        paths_by_entry[entry] = str(path)
     return None
 
 
@@ -165,23 +165,23 @@ def in_keys(
     >>> in_keys("seat", ConicalSeat, {"shape": "cone", "included_angle": "90 deg", "bore_diameter": "24 mm"})
     ({'shape': 'cone', 'angle': '0.7853981633974483 rad', 'bore_radius': '0.012 m'}, [])
     """
-    words, found, wrong = words_of(table), {}, []
+    words, new_entries, wrong = words_of(table), {}, []
     for name, value in entries.items():
         if name not in words:
-            found[name] = value
+            new_entries[name] = value
             continue
         word = words[name]
         if word.key in entries:
-            values = {"key": f"{body}.{name}", "word": name, "meaning": word.meaning, "value": shown(value)}
-            wrong.append(problem("said_twice", **values, other=word.key, there=shown(entries[word.key])))
+            values = {"key": f"{body}.{name}", "word": name, "meaning": word.meaning, "value": show(value)}
+            wrong.append(problem("said_twice", **values, other=word.key, there=show(entries[word.key])))
             continue
         try:
-            found[word.key] = word.in_key(value)
+            new_entries[word.key] = word.in_key(value)
         except (QuantityError, ValueError) as error:
-            wrong.append(Problem(f"{body}.{name}", str(error), shown(value)))
+            wrong.append(Problem(f"{body}.{name}", str(error), show(value)))
             # what stands there is not known, but something does
-            found[word.key] = _example_value(table, word.key)
-    return found, wrong
+            new_entries[word.key] = _example_value(table, word.key)
+    return new_entries, wrong
 
 
 def as_written(problem: Problem, tables: Mapping[str, Any]) -> Problem:
@@ -200,7 +200,7 @@ def as_written(problem: Problem, tables: Mapping[str, Any]) -> Problem:
         return problem
     value = "" if problem.value is None else f" = {problem.value}"
     return replace(
-        problem, key=f"{body}.{word}", message=f"{key}{value}: {problem.message}", value=shown(entries[word])
+        problem, key=f"{body}.{word}", message=f"{key}{value}: {problem.message}", value=show(entries[word])
     )
 
 
@@ -211,7 +211,7 @@ def _example_value(table: type[BaseModel], key: str) -> str:
     return f"{0.5 * (low + high)!r} {DIMENSIONS[marker.dimension].si_unit}"
 
 
-_WRITTEN = re.compile(rf"\s*({NUMBER})\s*(m?bar|psi|[kM]?Pa)\s?(?:\(([ga])\)|([ga]))\s*")
+_PRESSURE_TEXT = re.compile(rf"\s*({NUMBER})\s*(m?bar|psi|[kM]?Pa)\s?(?:\(([ga])\)|([ga]))\s*")
 _DIFFERENCES = (
     ("load", "fluid_pressure"),
     ("load", "largest_earlier_pressure"),
@@ -220,7 +220,7 @@ _DIFFERENCES = (
     ("requirement", "rated_pressure"),
 )
 # By how much the outlet may differ from one atmosphere for a gauge pressure to be the difference across the seal.
-_NEAR = 0.05
+_OUTLET_TOLERANCE = 0.05
 
 
 def is_said_of_one_side(entry: object) -> bool:
@@ -265,19 +265,19 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
     -------
     tuple
     """
-    changed, wrong = dict(tables), list[Problem]()
+    new_tables, wrong = dict(tables), list[Problem]()
     outlet = fluid.get("outlet_pressure") if isinstance(fluid, Mapping) else None
-    if (match := _match(outlet)) and "fluid" in changed:
+    if (match := _match(outlet)) and "fluid" in new_tables:
         if _kind(match) == "g":
-            wrong.append(problem("gauge_outlet", value=shown(outlet), remedy=_absolute(match)))
-        changed["fluid"] = {**changed["fluid"], "outlet_pressure": _plain_text(match)}
+            wrong.append(problem("gauge_outlet", value=show(outlet), remedy=_absolute(match)))
+        new_tables["fluid"] = {**new_tables["fluid"], "outlet_pressure": _plain_text(match)}
     for table, key in _DIFFERENCES:
-        entries = changed.get(table)
+        entries = new_tables.get(table)
         if isinstance(entries, Mapping) and is_said_of_one_side(entries.get(key)):
-            made = _Differences(f"{table}.{key}", fluid)
-            changed[table] = {**entries, key: made.of(entries[key])}
-            wrong += made.wrong
-    return changed, wrong
+            converter = _Differences(f"{table}.{key}", fluid)
+            new_tables[table] = {**entries, key: converter.of(entries[key])}
+            wrong += converter.wrong
+    return new_tables, wrong
 
 
 def as_difference(path: str, entry: Any, fluid: object) -> Any:
@@ -300,11 +300,11 @@ def as_difference(path: str, entry: Any, fluid: object) -> Any:
     table, _, key = path.partition(".")
     if (table, key) not in _DIFFERENCES or not is_said_of_one_side(entry):
         return entry
-    made = _Differences(f"parameters.{path}", fluid)
-    found = made.of(entry)
-    if made.wrong:
-        raise InputError(*made.wrong)
-    return found
+    converter = _Differences(f"parameters.{path}", fluid)
+    differences = converter.of(entry)
+    if converter.wrong:
+        raise InputError(*converter.wrong)
+    return differences
 
 
 def as_gauge(problem: Problem, tables: Mapping[str, Any]) -> Problem:
@@ -324,8 +324,8 @@ def as_gauge(problem: Problem, tables: Mapping[str, Any]) -> Problem:
     message = problem.message
     for text in _texts(entry):
         if match := _match(text):
-            message = message.replace(f'"{_plain_text(match)}"', shown(text))
-    return replace(problem, message=message, value=shown(entry))
+            message = message.replace(f'"{_plain_text(match)}"', show(text))
+    return replace(problem, message=message, value=show(entry))
 
 
 class _Differences:
@@ -344,23 +344,23 @@ class _Differences:
         return entry if match is None else self._of_text(entry, match)
 
     def _of_text(self, text: str, match: re.Match[str]) -> str:
-        plain, refused = _plain_text(match), self._refuse
+        plain, refuse = _plain_text(match), self._refuse
         if _kind(match) == "g":
-            far = self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _NEAR
-            return refused("gauge_far_outlet", text, plain) if far else plain
+            far = self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _OUTLET_TOLERANCE
+            return refuse("gauge_far_outlet", text, plain) if far else plain
         if not self.is_gas or self.outlet is None:
-            return refused("absolute_without_outlet", text, plain)
+            return refuse("absolute_without_outlet", text, plain)
         try:
             difference = float(exact_quantity(plain, "pressure")) - self.outlet
         except (QuantityError, OverflowError):
             # which the reading of the table says
             return plain
-        return refused("absolute_below_outlet", text, plain) if difference < 0 else f"{difference!r} Pa"
+        return refuse("absolute_below_outlet", text, plain) if difference < 0 else f"{difference!r} Pa"
 
     def _refuse(self, name: str, text: str, plain: str) -> str:
         """The pressure as it is written, and one problem more."""
         outlet = (self.outlet or 0.0) / 1e5
-        self.wrong.append(problem(name, key=self.key, outlet=outlet, value=shown(text)))
+        self.wrong.append(problem(name, key=self.key, outlet=outlet, value=show(text)))
         return plain
 
 
@@ -375,7 +375,7 @@ def _texts(entry: object) -> Iterator[object]:
 
 
 def _match(entry: object) -> re.Match[str] | None:
-    return _WRITTEN.fullmatch(entry) if isinstance(entry, str) else None
+    return _PRESSURE_TEXT.fullmatch(entry) if isinstance(entry, str) else None
 
 
 def _kind(match: re.Match[str]) -> str:

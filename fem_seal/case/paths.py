@@ -10,8 +10,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from fem_seal.case.case import Case
-from fem_seal.case.fields import Number, Quantity, Table, shown, values_of
-from fem_seal.case.material_table import MaterialTable, as_table, inheriting, library_table
+from fem_seal.case.fields import Number, Quantity, Table, show, values_of
+from fem_seal.case.material_table import MaterialTable, as_table, fill_from_library, library_table
 from fem_seal.case.notation import same_entry, tables_of, words_of
 from fem_seal.case.words import gone_entry
 from fem_seal.errors import InputError
@@ -21,9 +21,9 @@ from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
 Value = float | str | bool
 
 # Tables of a case that say nothing about the seal.
-_NOT_VARIED = ("title", "output", "uncertainty")
+_FIXED_TABLES = ("title", "output", "uncertainty")
 # What people give in a unit that suits its size, and a case file reads it back.
-_WRITTEN = ("length", "contact pressure", "fluid pressure", "force", "viscosity")
+_SCALED_KINDS = ("length", "contact pressure", "fluid pressure", "force", "viscosity")
 # Entries that decide which others there are, or that hold more than one value.
 _NO_VALUE = ("shape", "kind", "outline", "stress_strain", "files", "tolerance_waves")
 
@@ -66,18 +66,18 @@ class Entry:
 
     def check(self, value: float) -> None:
         """ValueError if an SI value is outside the range of the entry."""
-        self.read(self.written(value))
+        self.read(self.write(value))
 
-    def written(self, value: Value) -> object:
+    def write(self, value: Value) -> object:
         """The value as it is written in a case file; `read` gives exactly the same value back."""
         if isinstance(self.marker, Quantity):
             return f"{value!r} {self.unit}"
         return value
 
-    def shown(self, value: Value) -> str:
+    def show(self, value: Value) -> str:
         """The value for people."""
         if not isinstance(self.marker, Quantity) or not isinstance(value, float):
-            return shown(value)
+            return show(value)
         unit = self._usual_unit(value)
         return f'"{unit.of(value):.6g} {unit.name}"'
 
@@ -86,7 +86,7 @@ class Entry:
         if self.unit == "rad":
             return fixed_unit("deg")
         kind = kind_of(self.path, self.unit)
-        return unit_for(kind, value) if kind in _WRITTEN else Unit(self.unit, 1.0)
+        return unit_for(kind, value) if kind in _SCALED_KINDS else Unit(self.unit, 1.0)
 
 
 def entry_at(case: Case, path: str) -> Entry:
@@ -103,26 +103,26 @@ def entry_at(case: Case, path: str) -> Entry:
     InputError
         If there is no such entry; it names the nearest ones.
     """
-    *parents, last = path.split(".")
-    if last in _NO_VALUE:
+    *parents, key = path.split(".")
+    if key in _NO_VALUE:
         raise InputError.at(path, "is the same in all designs of a study; make one study for each")
     table: object = case
     for parent in parents:
         table = _inside(table, parent)
     fields, words = _fields(table), words_of(type(table)) if isinstance(table, Table) else {}
-    known = list(entry_paths(case))
-    if last in words and same_entry(path) in known:
-        return Entry(path, words[last].marker)
-    if last not in fields or path.split(".")[0] in _NOT_VARIED or path not in known:
+    all_paths = list(entry_paths(case))
+    if key in words and same_entry(path) in all_paths:
+        return Entry(path, words[key].marker)
+    if key not in fields or path.split(".")[0] in _FIXED_TABLES or path not in all_paths:
         in_words = [f"{'.'.join(parents)}.{word}" for word in words]
-        near = difflib.get_close_matches(path, [*known, *in_words], n=2, cutoff=0.5)
-        ends_alike = [one for one in known if one.split(".")[-1] == last]
-        hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
-        listed = f"do you mean {' or '.join(hints)}? " if hints else ""
-        unknown = f"is no entry of the case; {listed}known are {', '.join(known)}"
+        likely = difflib.get_close_matches(path, [*all_paths, *in_words], n=2, cutoff=0.5)
+        ends_alike = [entry_path for entry_path in all_paths if entry_path.split(".")[-1] == key]
+        hints = list(dict.fromkeys([*ends_alike[:2], *likely]))[:3]
+        suggestion = f"do you mean {' or '.join(hints)}? " if hints else ""
+        unknown = f"is no entry of the case; {suggestion}known are {', '.join(all_paths)}"
         raise InputError.at(path, gone_entry(path) or unknown)
     # a design has one load
-    return Entry(path, next(values_of(fields[last]), None), truth=fields[last].annotation is bool)
+    return Entry(path, next(values_of(fields[key]), None), truth=fields[key].annotation is bool)
 
 
 def _inside(table: object, key: str) -> object:
@@ -140,7 +140,7 @@ def entry_paths(case: Case) -> Iterator[str]:
     """Paths of all entries of a case that a study can vary."""
     yield from _FINISHES if case.roughness is not None else _FINISHES[:1]
     for name in _fields(case):
-        if name not in _NOT_VARIED:
+        if name not in _FIXED_TABLES:
             yield from _paths_below(name, getattr(case, name), _fields(case)[name])
 
 
@@ -149,20 +149,20 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
     changes = {}
     for body in ("closure", case.key_of("seat")):
         if any(path.startswith(f"{body}.material.") for path in paths):
-            written, material = case.written[body]["material"], getattr(case, body).material
-            if isinstance(written, str):
-                changes[f"{body}.material"] = library_table(written)
-            elif isinstance(written, dict):
-                changes[f"{body}.material"] = inheriting(written)
+            entry, material = case.written[body]["material"], getattr(case, body).material
+            if isinstance(entry, str):
+                changes[f"{body}.material"] = library_table(entry)
+            elif isinstance(entry, dict):
+                changes[f"{body}.material"] = fill_from_library(entry)
             elif material.hardening is None and not material.over_temperature:
                 changes[f"{body}.material"] = as_table(material)
     return case.replace_written(changes) if changes else case
 
 
 def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
-    if isinstance(value, tuple) and any(_fields(one) for one in value):
-        for number, one in enumerate(value):
-            yield from _paths_below(f"{path}.{number}", one, field)
+    if isinstance(value, tuple) and any(_fields(item) for item in value):
+        for number, item in enumerate(value):
+            yield from _paths_below(f"{path}.{number}", item, field)
         return
     fields = _fields(value)
     if not fields:
@@ -173,9 +173,9 @@ def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
     if isinstance(value, Material):
         # a name from the library may be varied as a whole
         yield path
-    for name, below in fields.items():
+    for name, subfield in fields.items():
         if name not in _NO_VALUE:
-            yield from _paths_below(f"{path}.{name}", getattr(value, name), below)
+            yield from _paths_below(f"{path}.{name}", getattr(value, name), subfield)
 
 
 def _fields(table: object) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
-from fem_seal.case.fields import Entry, Number, OneOrRange, Quantity, Table, shown
+from fem_seal.case.fields import Entry, Number, OneOrRange, Quantity, Table, show
 from fem_seal.case.messages import problems
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 else:
     ProcessName = Literal[tuple(files.own_tables("leak.surfaces", "processes.toml")["processes"])]
 _LONGEST = 100
-_WRITTEN = re.compile(
+_FINISH_TEXT = re.compile(
     r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"
     r"(?P<range>(?:[^\s,]+\s+)?to\s+[-+0-9.eE]+)?\s*(?P<unit>[^\s,]+)?[\s,]*(?P<after>[A-Za-z][A-Za-z _-]*)?\s*$"
 )
@@ -75,13 +75,13 @@ def read_finish(text: str) -> dict[str, Any]:
     >>> read_finish("lapped Ra 0.2 um")
     {'kind': 'finish', 'Ra': '0.2 um', 'process': 'lapped'}
     """
-    found = _WRITTEN.match(text) if len(text) <= _LONGEST else None
-    if found is None or (found["before"] and found["after"]) or not found["unit"]:
+    match = _FINISH_TEXT.match(text) if len(text) <= _LONGEST else None
+    if match is None or (match["before"] and match["after"]) or not match["unit"]:
         raise wrong("no_finish")
-    process = (found["before"] or found["after"] or "").strip()
+    process = (match["before"] or match["after"] or "").strip()
     return {
         "kind": "finish",
-        found["height"]: " ".join(filter(None, found.group("number", "range", "unit"))),
+        match["height"]: " ".join(filter(None, match.group("number", "range", "unit"))),
         **({"process": process} if process else {}),
     }
 
@@ -117,9 +117,9 @@ class FinishKeys(Table):
 
     def _check_finish(self) -> None:
         """ValueError if the keys do not make a finish."""
-        given = [key for key in HEIGHTS if getattr(self, key) is not None]
-        if len(given) > 1:
-            raise ValueError(f"has {' and '.join(given)}; a finish has one of them")
+        heights = [key for key in HEIGHTS if getattr(self, key) is not None]
+        if len(heights) > 1:
+            raise ValueError(f"has {' and '.join(heights)}; a finish has one of them")
         _surface(self.finish, (), ())
 
     @property
@@ -132,10 +132,10 @@ class FinishKeys(Table):
         ends = getattr(self, height)
         low, high = ends if isinstance(ends, tuple) else (ends, ends)
         value = low if low == high else math.sqrt(low * high)
-        implied = implied_filter(height, value)
+        usual_filter = implied_filter(height, value)
         band = ProfileFilter(
-            implied.lambda_c if self.lambda_c is None else self.lambda_c,
-            implied.lambda_s if self.lambda_s is None else self.lambda_s,
+            usual_filter.lambda_c if self.lambda_c is None else self.lambda_c,
+            usual_filter.lambda_s if self.lambda_s is None else self.lambda_s,
         )
         return Finish(
             height,  # type: ignore[arg-type]
@@ -154,13 +154,13 @@ class FinishKeys(Table):
     @property
     def remark(self) -> str:
         """That the value is unusual for the process; empty if it is not."""
-        found = self.finish
-        low, high = found.process.Ra
-        Ra = _surface(found, (), ()).expected.Ra
+        finish = self.finish
+        low, high = finish.process.Ra
+        Ra = _surface(finish, (), ()).expected.Ra
         if low / _UNUSUAL <= Ra <= high * _UNUSUAL:
             return ""
         values = {"Ra": 1e6 * Ra, "low": 1e6 * low, "high": 1e6 * high}
-        return sentence("unusual_finish", process=found.process.name, **values)
+        return sentence("unusual_finish", process=finish.process.name, **values)
 
 
 class FinishTable(FinishKeys):
@@ -189,7 +189,7 @@ class FinishTable(FinishKeys):
         shares, factors : mapping, optional
             See `leak.Finish.surface`.
         """
-        return _surface(self.finish, *(tuple(sorted((one or {}).items())) for one in (shares, factors)))
+        return _surface(self.finish, *(tuple(sorted((pairs or {}).items())) for pairs in (shares, factors)))
 
 
 _Places = tuple[tuple[str, float], ...]
@@ -214,7 +214,7 @@ class Texts(Entry):
 
     def read(self, value: object) -> tuple[str, ...]:
         """The texts; ValueError if it is no list of texts."""
-        if not isinstance(value, (list, tuple)) or not all(isinstance(one, str) for one in value):
+        if not isinstance(value, (list, tuple)) or not all(isinstance(text, str) for text in value):
             raise ValueError(f"must be a list of texts, such as {self.what}")
         if not 0 < len(value) <= self.most:
             raise ValueError(f"has {len(value)} entries; allowed are 1 to {self.most}")
@@ -267,9 +267,9 @@ def read_spectrum(file: str | Path) -> tuple[FloatArray, FloatArray]:
     positive = (q > 0) & (C > 0)
     if not positive.all():
         raise TextTableError(f"q and C must be positive; line {table.lines[int(np.argmin(positive))]} is not")
-    increasing = np.diff(q) > 0
-    if not increasing.all():
-        line = table.lines[int(np.argmin(increasing)) + 1]
+    is_increasing = np.diff(q) > 0
+    if not is_increasing.all():
+        line = table.lines[int(np.argmin(is_increasing)) + 1]
         raise TextTableError(f"q must increase from row to row; line {line} does not")
     return q, C
 
@@ -291,7 +291,7 @@ class SelfAffine(Table):
         return PowerSpectrum.self_affine(**self.model_dump(exclude={"kind"}))
 
 
-class Tabulated(Table):
+class TabulatedSpectrum(Table):
     """kind = "table": a two-dimensional isotropic spectrum from a file."""
 
     kind: Literal["table"]
@@ -310,7 +310,7 @@ class Tabulated(Table):
         return PowerSpectrum.from_table(*read_spectrum(self.file))
 
 
-class Measured(Table):
+class MeasuredSpectrum(Table):
     """kind = "profile": the spectrum of measured line scans or maps; see guide/surfaces in the manual."""
 
     kind: Literal["profile"]
@@ -331,7 +331,7 @@ class Measured(Table):
     outliers: Literal["keep", "remove"] = "keep"
 
     @model_validator(mode="after")
-    def _consistent(self) -> Measured:
+    def _consistent(self) -> MeasuredSpectrum:
         if (self.file is None) == (self.files is None):
             raise ValueError('needs file = "seat.csv", or files = ["scan1.csv", "scan2.csv"], one of both')
         for key in ("hurst", "q_low", "q_high"):
@@ -339,7 +339,7 @@ class Measured(Table):
                 raise ValueError(f'{key} is only for extrapolation = "self-affine"; remove it, or set that')
         if self.extrapolation == "self-affine" and self.hurst is None:
             raise ValueError('extrapolation = "self-affine" needs hurst, such as hurst = 0.8')
-        self.measured()
+        self.read_scans()
         return self
 
     @property
@@ -353,28 +353,28 @@ class Measured(Table):
         """How the scans become a spectrum, as `leak` takes it."""
         from leak import ScanSettings, SelfAffineContinuation
 
-        continued = self.hurst and SelfAffineContinuation(self.hurst, self.q_low, self.q_high)
+        continuation = self.hurst and SelfAffineContinuation(self.hurst, self.q_low, self.q_high)
         return ScanSettings(
             self.detrend,
             self.window,
             self.tip_radius,
             self.shortest_wavelength,
-            continued or "cut",
+            continuation or "cut",
             self.outliers,
         )
 
-    def measured(self) -> MeasuredSurface:
+    def read_scans(self) -> MeasuredSurface:
         """What the scans say about the surface."""
-        return _measured(tuple((path, _stamp(path)) for path in self.paths), self.unit, self.settings)
+        return _measure_scans(tuple((path, _stamp(path)) for path in self.paths), self.unit, self.settings)
 
     def build(self) -> PowerSpectrum:
         """The spectrum as `leak` takes it."""
-        return self.measured().spectrum
+        return self.read_scans().spectrum
 
     def scan_spectra(self) -> tuple[PowerSpectrum, ...]:
         """The spectrum of each scan alone."""
         scans = [((path, _stamp(path)),) for path in self.paths]
-        return tuple(_measured(scan, self.unit, self.settings).spectrum for scan in scans)
+        return tuple(_measure_scans(scan, self.unit, self.settings).spectrum for scan in scans)
 
 
 def _stamp(path: str) -> tuple[int, int]:
@@ -388,7 +388,7 @@ def _stamp(path: str) -> tuple[int, int]:
 
 # A case asks for its spectrum several times, and reading a spreadsheet takes more than a second.
 @cache
-def _measured(
+def _measure_scans(
     files: tuple[tuple[str, tuple[int, int]], ...], unit: tuple[str, ...] | None, settings: ScanSettings
 ) -> MeasuredSurface:
     from leak import ScanError, measure, read_topographies
@@ -401,7 +401,7 @@ def _measured(
     return measure(read_topographies([path for path, _ in files], unit=unit), settings)
 
 
-AnySpectrum = SelfAffine | Tabulated | Measured | FinishTable
+AnySpectrum = SelfAffine | TabulatedSpectrum | MeasuredSpectrum | FinishTable
 Spectrum = Annotated[AnySpectrum, Field(discriminator="kind")]
 # Keys of [roughness] that hold a spectrum.
 PARTS = ("spectrum", "seat", "closure", "gasket", "along", "across")
@@ -430,25 +430,25 @@ class Roughness(FinishKeys):
 
     @model_validator(mode="after")
     def _one_way(self) -> Roughness:
-        given = [key for key in PARTS if getattr(self, key) is not None]
+        spectra = [key for key in PARTS if getattr(self, key) is not None]
         if self.height is not None:
-            if given:
-                raise wrong("finish_and_spectrum", height=self.height, others=" and ".join(given))
+            if spectra:
+                raise wrong("finish_and_spectrum", height=self.height, others=" and ".join(spectra))
             self._check_finish()
             return self
-        known = [key for key in FinishKeys.model_fields if getattr(self, key) is not None]
-        if known or self.kind is not None:
-            raise wrong("finish_without_height", what=f"has {known[0]}" if known else "is a finish")
-        if "along" in given or "across" in given:
-            self._two_directions(given)
-        elif ("spectrum" in given) == any(one in given for one in ("seat", "closure", "gasket")):
-            raise wrong("spectrum_twice" if given else "spectrum_missing")
+        keys = [key for key in FinishKeys.model_fields if getattr(self, key) is not None]
+        if keys or self.kind is not None:
+            raise wrong("finish_without_height", what=f"has {keys[0]}" if keys else "is a finish")
+        if "along" in spectra or "across" in spectra:
+            self._two_directions(spectra)
+        elif ("spectrum" in spectra) == any(key in spectra for key in ("seat", "closure", "gasket")):
+            raise wrong("spectrum_twice" if spectra else "spectrum_missing")
         return self
 
-    def _two_directions(self, given: Collection[str]) -> None:
-        if not {"along", "across"} <= {*given}:
+    def _two_directions(self, spectra: Collection[str]) -> None:
+        if not {"along", "across"} <= {*spectra}:
             raise ValueError("needs along and across, both or neither")
-        if len(given) > 2:
+        if len(spectra) > 2:
             raise wrong("directions_and_spectrum")
         if self.peklenik != 1.0:
             raise ValueError("has peklenik, which along and across determine already; remove it")
@@ -462,17 +462,17 @@ class Roughness(FinishKeys):
             entries = {key: getattr(self, key) for key in FinishKeys.model_fields}
             both = FinishTable.model_construct(kind="finish", **entries)
             return {"seat": both, "closure": both}
-        return {key: one for key in PARTS if (one := getattr(self, key)) is not None}
+        return {key: spectrum for key in PARTS if (spectrum := getattr(self, key)) is not None}
 
     @property
     def finishes(self) -> dict[str, FinishTable]:
         """Those of `parts` that are finishes."""
-        return {key: one for key, one in self.parts.items() if isinstance(one, FinishTable)}
+        return {key: spectrum for key, spectrum in self.parts.items() if isinstance(spectrum, FinishTable)}
 
     @property
     def is_measured(self) -> bool:
         """Whether a spectrum comes from scans."""
-        return any(isinstance(one, Measured) for one in self.parts.values())
+        return any(isinstance(spectrum, MeasuredSpectrum) for spectrum in self.parts.values())
 
     def build(self) -> PowerSpectrum:
         """Spectrum of the gap between the undeformed surfaces."""
@@ -480,7 +480,7 @@ class Roughness(FinishKeys):
 
     def combined(
         self,
-        instead: Mapping[str, PowerSpectrum] | None = None,
+        swaps: Mapping[str, PowerSpectrum] | None = None,
         shares: Mapping[str, float] | None = None,
         factors: Mapping[str, float] | None = None,
     ) -> tuple[PowerSpectrum, float]:
@@ -491,24 +491,24 @@ class Roughness(FinishKeys):
 
         Parameters
         ----------
-        instead : mapping, optional
+        swaps : mapping, optional
             Spectra that stand instead of the table's own, by their key.
         shares, factors : mapping, optional
             Places in the ranges of what the finishes leave open, and factors, see `leak.Finish.surface`; the same in
             both faces.
         """
-        instead = instead or {}
+        swaps = swaps or {}
         faces = {
-            key: one.surface(shares, factors) for key, one in self.finishes.items() if key not in instead
+            key: face.surface(shares, factors) for key, face in self.finishes.items() if key not in swaps
         }
         spectra = {
-            key: instead[key] if key in instead else faces[key].spectrum if key in faces else one.build()
-            for key, one in self.parts.items()
+            key: swaps[key] if key in swaps else faces[key].spectrum if key in faces else part.build()
+            for key, part in self.parts.items()
         }
         if "along" in spectra:
-            found = _stretch(spectra["along"], spectra["across"])
-            return found.spectrum, found.peklenik
-        total = reduce(lambda total, one: total + one, spectra.values())
+            stretch = _stretch(spectra["along"], spectra["across"])
+            return stretch.spectrum, stretch.peklenik
+        total = reduce(lambda total, spectrum: total + spectrum, spectra.values())
         if "peklenik" in self.model_fields_set or not faces:
             return total, self.peklenik
         return total, _tripp_number(
@@ -518,22 +518,22 @@ class Roughness(FinishKeys):
     @property
     def cutoff(self) -> float | None:
         """Wave beyond which the finishes say nothing, and the user neither [m]; None without a finish."""
-        faces = [one for one in self.finishes.values() if one.q_low is None]
-        return max((one.finish.band.lambda_c for one in faces), default=None)
+        faces = [finish for finish in self.finishes.values() if finish.q_low is None]
+        return max((finish.finish.band.lambda_c for finish in faces), default=None)
 
     def remarks(self) -> Iterator[str]:
         """What the scans themselves say against their use, and values that a process does not usually reach."""
-        for text in dict.fromkeys(one.remark for one in self.finishes.values()):
+        for text in dict.fromkeys(finish.remark for finish in self.finishes.values()):
             if text:
                 yield f"roughness: {text}"
-        for key, one in self.parts.items():
-            if isinstance(one, Measured):
-                for warning in one.measured().warnings:
+        for key, part in self.parts.items():
+            if isinstance(part, MeasuredSpectrum):
+                for warning in part.read_scans().warnings:
                     yield f"roughness.{key}: {warning}"
         if self.along is not None and self.across is not None:
-            found = _stretch(self.along.build(), self.across.build())
-            if found.misfit > _LARGEST_MISFIT:
-                yield sentence("no_stretch", best=found.peklenik, off=math.exp(found.misfit))
+            stretch = _stretch(self.along.build(), self.across.build())
+            if stretch.misfit > _LARGEST_MISFIT:
+                yield sentence("no_stretch", best=stretch.peklenik, off=math.exp(stretch.misfit))
 
 
 def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:
@@ -541,9 +541,9 @@ def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:
 
     The mean square slopes along the flow, s^2/(1 + g^2), and across it, s^2 g^2/(1 + g^2), add.
     """
-    along = sum(slope**2 / (1.0 + number**2) for slope, number in faces)
-    across = sum(slope**2 * number**2 / (1.0 + number**2) for slope, number in faces)
-    return math.sqrt(across / along)
+    slopes_along = sum(slope**2 / (1.0 + number**2) for slope, number in faces)
+    slopes_across = sum(slope**2 * number**2 / (1.0 + number**2) for slope, number in faces)
+    return math.sqrt(slopes_across / slopes_along)
 
 
 def read_roughness(entries: object) -> object:
@@ -563,24 +563,24 @@ def read_roughness(entries: object) -> object:
         return read_finish(entries)
     if not isinstance(entries, Mapping):
         return entries
-    found = dict(entries)
+    tables = dict(entries)
     for key in PARTS:
-        part = found.get(key)
+        part = tables.get(key)
         if isinstance(part, str):
             try:
-                found[key] = read_finish(part)
+                tables[key] = read_finish(part)
             except ValueError as error:
-                raise ValueError(f"{key}, {shown(part)}, {error}") from None
+                raise ValueError(f"{key}, {show(part)}, {error}") from None
         elif isinstance(part, Mapping) and is_finish(part):
-            found[key] = {**part, "kind": "finish"}
-    return found
+            tables[key] = {**part, "kind": "finish"}
+    return tables
 
 
 # Keys of [roughness] that go together; one way of giving the roughness replaces the others.
 _WAYS = (("spectrum",), ("seat", "closure", "gasket"), ("along", "across"))
 
 
-def roughness_like(before: object, change: object) -> tuple[object, object]:
+def roughness_like(old_entries: object, change: object) -> tuple[object, object]:
     """The table before a change and the change, such that merging one into the other gives what is meant.
 
     Another way of giving the roughness replaces the one before. A finish of each of both faces stays that of the face
@@ -588,12 +588,12 @@ def roughness_like(before: object, change: object) -> tuple[object, object]:
 
     Parameters
     ----------
-    before, change : object
+    old_entries, change : object
         As they stand in a case file; anything that is no table stays as it is.
     """
     if not isinstance(change, Mapping):
-        return before, change
-    old = _as_tables(before)
+        return old_entries, change
+    old = _as_tables(old_entries)
     new = {**change, **_as_tables({key: change[key] for key in PARTS if key in change})}
     if _has_height(new):
         for key in (*PARTS, "peklenik", *HEIGHTS) if not is_finish(old) else HEIGHTS:
@@ -610,8 +610,8 @@ def roughness_like(before: object, change: object) -> tuple[object, object]:
             if key not in ways[0]:
                 old.pop(key, None)
     for key in PARTS:
-        part, instead = old.get(key), new.get(key)
-        if isinstance(part, Mapping) and isinstance(instead, Mapping) and _has_height(instead):
+        part, new_part = old.get(key), new.get(key)
+        if isinstance(part, Mapping) and isinstance(new_part, Mapping) and _has_height(new_part):
             old[key] = {name: value for name, value in part.items() if name not in HEIGHTS}
     return old, new
 
@@ -623,10 +623,10 @@ def _has_height(entries: Mapping[str, Any]) -> bool:
 def _as_tables(entries: object) -> dict[str, Any]:
     """A new table with its finishes as tables; empty if it is none, or a text that is no finish."""
     try:
-        found = read_roughness(entries)
+        tables = read_roughness(entries)
     except ValueError:
         return {}
-    return dict(found) if isinstance(found, Mapping) else {}
+    return dict(tables) if isinstance(tables, Mapping) else {}
 
 
 @lru_cache(maxsize=64)
@@ -636,7 +636,7 @@ def _stretch(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
     return stretched_roughness(along, across)
 
 
-def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
+def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> MeasuredSpectrum:
     """Scans with the settings of a case file, given outside of one.
 
     Parameters
@@ -650,11 +650,11 @@ def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
     InputError
         If an entry is wrong or a file cannot be used.
     """
-    given = {key: value for key, value in entries.items() if value is not None}
+    settings = {key: value for key, value in entries.items() if value is not None}
     try:
-        return Measured.model_validate({"kind": "profile", "files": list(files), **given})
+        return MeasuredSpectrum.model_validate({"kind": "profile", "files": list(files), **settings})
     except ValidationError as error:
-        raise InputError(*problems(error, Measured)) from None
+        raise InputError(*problems(error, MeasuredSpectrum)) from None
 
 
 # The long waves of a measured surface end at eight times its roll-off, in ln q; their ln C changes by this at most.
@@ -699,25 +699,25 @@ class UncertainHeight:
         """The factors, shape (n,)."""
         return values[:, 0]
 
-    def spectrum(self, measured: PowerSpectrum, factor: float) -> PowerSpectrum:
+    def spectrum(self, base: PowerSpectrum, factor: float) -> PowerSpectrum:
         """The measured spectrum with its long waves changed so that the rms height is `factor` times what it was."""
         from leak import PowerSpectrum
 
-        q = np.union1d(measured.wavenumber, np.geomspace(measured.q_low, measured.q_high, 60)[1:-1])
-        C = np.asarray(measured(q))
+        q = np.union1d(base.wavenumber, np.geomspace(base.q_low, base.q_high, 60)[1:-1])
+        C = np.asarray(base(q))
         long_waves = np.clip(1.0 - np.log(q / self.rolloff) / _TRANSITION, 0.0, 1.0)
 
-        def changed(log_C: float) -> PowerSpectrum:
+        def scale(log_C: float) -> PowerSpectrum:
             return PowerSpectrum(q, C * np.exp(log_C * long_waves))
 
-        def off(log_C: float) -> float:
-            return float(np.log(changed(log_C).rms_height / measured.rms_height / factor))
+        def misfit(log_C: float) -> float:
+            return float(np.log(scale(log_C).rms_height / base.rms_height / factor))
 
         end = _MOST_CHANGED * float(np.sign(np.log(factor)))
         if end == 0.0:
-            return measured
+            return base
         # what the short waves alone have is the least
-        return changed(root_between(off, 0.0, end, rtol=1e-9) if off(0.0) * off(end) < 0.0 else end)
+        return scale(root_between(misfit, 0.0, end, rtol=1e-9) if misfit(0.0) * misfit(end) < 0.0 else end)
 
 
 def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> Iterator[UncertainHeight]:
@@ -730,17 +730,17 @@ def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> It
         Whether the differences between the scans are an uncertain input themselves.
     """
     parts = {} if roughness is None else roughness.parts
-    measured = {key: one for key, one in parts.items() if isinstance(one, Measured)}
-    for key, one in measured.items():
-        surface = one.measured()
+    scans = {key: part for key, part in parts.items() if isinstance(part, MeasuredSpectrum)}
+    for key, scan in scans.items():
+        surface = scan.read_scans()
         low, high = surface.rolloff.height.interval
         if np.log(high / low) < _SMALLEST:
             continue
         # random weights scatter the mean of n scans by (n-1)/(n+1) of its true variance
-        count = len(one.paths)
+        count = len(scan.paths)
         yield UncertainHeight(
             key,
-            "scan_length" if len(measured) == 1 else f"scan_length_{key}",
+            "scan_length" if len(scans) == 1 else f"scan_length_{key}",
             surface.rolloff.height,
             surface.rolloff.wavenumber or surface.q_low,
             2.0 / (count + 1.0) if between_scans else 1.0,
@@ -772,9 +772,9 @@ class UncertainFinish:
 
     def shown(self, values: FloatArray) -> FloatArray:
         """The values themselves, geometric mean over the faces, of waves their wavenumber, shape (n,)."""
-        each = [np.log(one.at(values[:, 0], log=self.name != "hurst")) for one in self.spreads]
-        found = np.exp(np.mean(each, axis=0))
-        return np.asarray(2.0 * np.pi / found if self.name.startswith("q_") else found)
+        each = [np.log(spread.at(values[:, 0], log=self.name != "hurst")) for spread in self.spreads]
+        means = np.exp(np.mean(each, axis=0))
+        return np.asarray(2.0 * np.pi / means if self.name.startswith("q_") else means)
 
 
 def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -> Iterator[UncertainFinish]:
@@ -787,14 +787,14 @@ def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -
         What is told otherwise.
     """
     faces = {} if roughness is None else roughness.finishes
-    found: dict[str, list[Spread]] = {}
-    for one in faces.values():
-        for name, spread in one.finish.spreads.items():
+    spreads_by_name: dict[str, list[Spread]] = {}
+    for finish in faces.values():
+        for name, spread in finish.finish.spreads.items():
             if spread.high > spread.low * (1.0 + _SMALLEST):
-                found.setdefault(name, []).append(spread)
+                spreads_by_name.setdefault(name, []).append(spread)
     if roughness is not None and "peklenik" in roughness.model_fields_set:
-        found.pop("lay", None)
-    for name, spreads in found.items():
+        spreads_by_name.pop("lay", None)
+    for name, spreads in spreads_by_name.items():
         if name not in known:
             yield UncertainFinish(name, tuple(spreads))
 
@@ -803,14 +803,14 @@ def scan_spectra(roughness: Roughness | None) -> dict[str, tuple[PowerSpectrum, 
     """Spectra of the single scans, for each spectrum of the table that is the mean of two or more."""
     parts = {} if roughness is None else roughness.parts
     return {
-        key: one.scan_spectra()
-        for key, one in parts.items()
-        if isinstance(one, Measured) and len(one.paths) > 1
+        key: part.scan_spectra()
+        for key, part in parts.items()
+        if isinstance(part, MeasuredSpectrum) and len(part.paths) > 1
     }
 
 
 def self_affine_part(roughness: Roughness | None) -> str | None:
     """Key of the table's self-affine spectrum; None if there is none, or one for each surface."""
     parts = {} if roughness is None else roughness.parts
-    found = [key for key, one in parts.items() if isinstance(one, SelfAffine)]
-    return found[0] if len(found) == 1 else None
+    keys = [key for key, part in parts.items() if isinstance(part, SelfAffine)]
+    return keys[0] if len(keys) == 1 else None

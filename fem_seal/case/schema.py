@@ -18,7 +18,7 @@ _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # Where another part of the schema says which keys there are: tombi takes silence for a no.
 _OPEN = {"additionalProperties": True}
 # The kind of a table that does not say it, where there is one.
-_IMPLIED = {"kind": "finish"}
+_DEFAULT_KINDS = {"kind": "finish"}
 
 
 def case_schema() -> dict[str, Any]:
@@ -42,18 +42,18 @@ def case_schema() -> dict[str, Any]:
         for table in tables_of(Case.model_fields[body]):
             _add_words(schema["$defs"][table.__name__], table)
     schema["description"] = 'One seal with its loads; quantities are texts with units, such as "20 mm".'
-    written = as_schema("fem-seal case", schema)
-    _add_finishes(written["properties"], ("roughness",))
-    _add_finishes(written["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure", "gasket"))
-    _share_material(written["$defs"])
-    return written
+    case_file = as_schema("fem-seal case", schema)
+    _add_finishes(case_file["properties"], ("roughness",))
+    _add_finishes(case_file["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure", "gasket"))
+    _share_material(case_file["$defs"])
+    return case_file
 
 
-def _share_material(known: dict[str, Any]) -> None:
+def _share_material(defs: dict[str, Any]) -> None:
     """Say what a material is once, for all shapes of both bodies."""
-    for table in [one for one in known.values() if "material" in one.get("properties", {})]:
+    for table in [entry for entry in defs.values() if "material" in entry.get("properties", {})]:
         entry = table["properties"]["material"]
-        known.setdefault("Material", {"allOf": entry["allOf"]})
+        defs.setdefault("Material", {"allOf": entry["allOf"]})
         table["properties"]["material"] = {**entry, "allOf": [{"$ref": "#/$defs/Material"}]}
 
 
@@ -88,14 +88,14 @@ def as_schema(title: str, schema: Mapping[str, Any]) -> dict[str, Any]:
     schema : mapping
         As pydantic makes it.
     """
-    written = _as_written(schema, schema.get("$defs", {}))
-    for one in written.get("$defs", {}).values():
-        for word, kind in _IMPLIED.items():
-            if one.get("properties", {}).get(word, {}).get("const") == kind and word in one.get(
+    file_schema = _file_schema(schema, schema.get("$defs", {}))
+    for definition in file_schema.get("$defs", {}).values():
+        for word, kind in _DEFAULT_KINDS.items():
+            if definition.get("properties", {}).get(word, {}).get("const") == kind and word in definition.get(
                 "required", []
             ):
-                one["required"].remove(word)
-    return {"$schema": _DIALECT, "title": title, **written}
+                definition["required"].remove(word)
+    return {"$schema": _DIALECT, "title": title, **file_schema}
 
 
 def _add_words(schema: dict[str, Any], table: type[Table]) -> None:
@@ -109,65 +109,65 @@ def _add_words(schema: dict[str, Any], table: type[Table]) -> None:
         }
         if word.key in schema.get("required", []):
             schema["required"].remove(word.key)
-            missing = {"if": {"not": {"required": [word.name]}}, "then": {"required": [word.key]}}
-            schema.setdefault("allOf", []).append(missing)
+            key_without_word = {"if": {"not": {"required": [word.name]}}, "then": {"required": [word.key]}}
+            schema.setdefault("allOf", []).append(key_without_word)
 
 
-def _as_written(schema: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+def _file_schema(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
     """Schema of the file instead of the models: TOML has no null, and titles would only repeat the keys."""
-    cleaned: dict[str, Any] = {}
+    new: dict[str, Any] = {}
     for key, value in schema.items():
         if key == "title" and isinstance(value, str):
             continue
         if key == "default" and (value is None or isinstance(value, dict)):
             continue
         if isinstance(value, dict):
-            cleaned[key] = _as_written(value, known)
+            new[key] = _file_schema(value, defs)
         elif isinstance(value, list):
-            cleaned[key] = [_as_written(one, known) if isinstance(one, dict) else one for one in value]
+            new[key] = [_file_schema(entry, defs) if isinstance(entry, dict) else entry for entry in value]
         else:
-            cleaned[key] = value
-    if "discriminator" in cleaned:
-        return _chosen_by_word(cleaned, known)
-    if "anyOf" in cleaned:
-        return _alternatives(cleaned)
-    return cleaned
+            new[key] = value
+    if "discriminator" in new:
+        return _chosen_by_word(new, defs)
+    if "anyOf" in new:
+        return _alternatives(new)
+    return new
 
 
 def _alternatives(schema: dict[str, Any]) -> dict[str, Any]:
     """One form follows from the type of what stands there, or from which key is missing."""
-    choices = [one for one in schema.pop("anyOf") if one != {"type": "null"}]
+    choices = [choice for choice in schema.pop("anyOf") if choice != {"type": "null"}]
     if len(choices) == 1:
         return {**choices[0], **schema}
     by_type: dict[Any, list[dict[str, Any]]] = {}
-    for one in choices:
-        by_type.setdefault(one.get("type"), []).append(one)
+    for choice in choices:
+        by_type.setdefault(choice.get("type"), []).append(choice)
     if None not in by_type and len(by_type) > 1:
         each = [
             {"if": {"type": kind}, "then": same[0] if len(same) == 1 else {"anyOf": same}}
             for kind, same in by_type.items()
         ]
         return {"type": list(by_type), **(_OPEN if "object" in by_type else {}), "allOf": each, **schema}
-    if all(set(one) == {"required"} for one in choices):
-        *others, last = choices
-        missing = {"not": {"anyOf": others}} if len(others) > 1 else {"not": others[0]}
-        return {**schema, "allOf": [*schema.get("allOf", []), {"if": missing, "then": last}]}
+    if all(set(choice) == {"required"} for choice in choices):
+        *others, otherwise = choices
+        condition = {"not": {"anyOf": others}} if len(others) > 1 else {"not": others[0]}
+        return {**schema, "allOf": [*schema.get("allOf", []), {"if": condition, "then": otherwise}]}
     return {"anyOf": choices, **schema}
 
 
-def _chosen_by_word(schema: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+def _chosen_by_word(schema: dict[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
     """One form follows from `shape` or `kind`."""
-    found = schema.pop("discriminator")
+    discriminator = schema.pop("discriminator")
     schema.pop("oneOf")
-    word, forms = found["propertyName"], found["mapping"]
-    implied = forms.get(_IMPLIED.get(word))
+    word, forms = discriminator["propertyName"], discriminator["mapping"]
+    default_form = forms.get(_DEFAULT_KINDS.get(word))
     table: dict[str, Any] = {
         "properties": {
             word: {"enum": list(forms), "description": f"{word}: one of {', '.join(forms)}"},
-            **_describe_keys(word, [known[place.rpartition("/")[2]] for place in forms.values()]),
+            **_describe_keys(word, [defs[place.rpartition("/")[2]] for place in forms.values()]),
         },
         **_OPEN,
-        "required": [] if implied else [word],
+        "required": [] if default_form else [word],
         "allOf": [
             {
                 "if": {"properties": {word: {"const": name}}, "required": [word]},
@@ -176,9 +176,9 @@ def _chosen_by_word(schema: dict[str, Any], known: Mapping[str, Any]) -> dict[st
             for name, place in forms.items()
         ],
     }
-    if not implied:
+    if not default_form:
         return {"type": "object", **table, **schema}
-    table["allOf"].append({"if": {"not": {"required": [word]}}, "then": {"$ref": implied}})
+    table["allOf"].append({"if": {"not": {"required": [word]}}, "then": {"$ref": default_form}})
     return {
         "type": ["object", "string"],
         **_OPEN,
@@ -193,6 +193,6 @@ def _describe_keys(word: str, tables: list[Mapping[str, Any]]) -> dict[str, Any]
     for table in tables:
         for key, entry in table["properties"].items():
             if key != word:
-                said = {name: entry[name] for name in ("description", "examples") if name in entry}
-                keys.setdefault(key, {**said, **({} if entry.get("type") == "string" else _OPEN)})
+                texts = {name: entry[name] for name in ("description", "examples") if name in entry}
+                keys.setdefault(key, {**texts, **({} if entry.get("type") == "string" else _OPEN)})
     return keys

@@ -44,10 +44,10 @@ class Body(Table):
         shape: str
         material: Material
 
-    def made(self, **around: Shape) -> Shape:
+    def make_shape(self, **neighbours: Shape) -> Shape:
         """The shape with the dimensions that are given."""
-        given = {key: value for key, value in self if key not in _OTHER_KEYS and value is not None}
-        return type(self).makes(**around, **given)
+        sizes = {key: value for key, value in self if key not in _OTHER_KEYS and value is not None}
+        return type(self).makes(**neighbours, **sizes)
 
     def problems(self) -> Iterator[Problem]:
         """What is wrong with the keys together, before there is a shape."""
@@ -59,10 +59,10 @@ class Closure(Body):
 
     def body(self) -> Shape:
         """The closure that is meshed."""
-        return self.made()
+        return self.make_shape()
 
 
-class Held(Body):
+class HeldSeat(Body):
     """How a seat is held, whatever its shape."""
 
     material: MaterialField
@@ -76,10 +76,10 @@ class Held(Body):
 
     def body(self, closure: Shape) -> Shape:
         """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return self.made(closure=closure)
+        return self.make_shape(closure=closure)
 
 
-class Housed(Held):
+class HousedSeat(HeldSeat):
     """A seat that is the top of a cylindrical housing with a bore."""
 
     outer_radius: Length | None = None
@@ -95,7 +95,7 @@ class Gasket(Body):
 
     def body(self, closure: Shape) -> Shape:
         """The upper half, which is meshed."""
-        return self.made()
+        return self.make_shape()
 
 
 class FlangeFace(Closure):
@@ -104,7 +104,7 @@ class FlangeFace(Closure):
     def body(self) -> Shape:
         """The flange that is meshed."""
         try:
-            return self.made()
+            return self.make_shape()
         except GeometryError as error:
             # its face is made as a seat
             raise GeometryError(re.sub("^seat ", "closure ", str(error))) from error
@@ -115,20 +115,20 @@ class _Poppet(Closure):
 
     def problems(self) -> Iterator[Problem]:
         """What is wrong with the radii together."""
-        known = [key for key in ("outer_radius", "inner_radius", "mean_radius") if getattr(self, key)]
-        if not 1 <= len(known) <= 2:
-            which = "none is given" if not known else "all three are given"
+        radii = [key for key in ("outer_radius", "inner_radius", "mean_radius") if getattr(self, key)]
+        if not 1 <= len(radii) <= 2:
+            which = "none is given" if not radii else "all three are given"
             yield problem("radii_of_cone", which=which)
 
 
-class _Land(Housed):
+class _Land(HousedSeat):
     """A seat whose land begins at the bore."""
 
     @property
     def bore_radius(self) -> float:
         """Radius of the bore [m]."""
-        found: float = vars(self)["land_inner_radius"]
-        return found
+        radius: float = vars(self)["land_inner_radius"]
+        return radius
 
 
 def _model(
@@ -149,13 +149,13 @@ def _model(
     makes : callable
         Its maker; that of a seat takes the closure.
     base : type, optional
-        `Closure` or `Housed` unless given.
+        `Closure` or `HousedSeat` unless given.
     edge : type
         What stands at its edge_radius.
     """
     parameters = dict(inspect.signature(makes).parameters)
     is_seat = parameters.pop("closure", None) is not None
-    base = base or (Housed if is_seat else Closure)
+    base = base or (HousedSeat if is_seat else Closure)
     fields: dict[str, Any] = {"shape": (Literal[shape], ...)}
     for key, parameter in parameters.items():
         if key not in base.model_fields:
@@ -192,14 +192,14 @@ class _OneOfLands(Table):
         shape: str
         set_back: float | None
 
-    def made(self, closure: Shape, number: int) -> meshes.Land:
+    def make_land(self, closure: Shape, number: int) -> meshes.Land:
         """The land with the dimensions that are given, its number counted from one for what is wrong with them."""
-        given = {key: value for key, value in self if key not in ("shape", "set_back") and value is not None}
+        sizes = {key: value for key, value in self if key not in ("shape", "set_back") and value is not None}
         maker: Callable[..., Any] = (
             meshes.FlatLand.on if self.shape == "flat-land" else meshes.ConicalLand.around
         )
         try:
-            return meshes.Land(maker(closure=closure, **given), self.set_back or 0.0)
+            return meshes.Land(maker(closure=closure, **sizes), self.set_back or 0.0)
         except GeometryError as error:
             raise GeometryError(re.sub("^seat ", f"seat lands[{number}].", str(error))) from error
 
@@ -225,7 +225,7 @@ class FlatOfLands(_OneOfLands):
     set_back: SmallLength | None = None
 
 
-class Lands(Housed):
+class Lands(HousedSeat):
     """[seat] shape = "lands": several lands one behind the other, with chambers between them."""
 
     shape: Literal["lands"]
@@ -237,7 +237,7 @@ class Lands(Housed):
     def body(self, closure: Shape) -> Shape:
         """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
         return meshes.Lands.around(
-            [one.made(closure, number) for number, one in enumerate(self.lands, start=1)],
+            [land.make_land(closure, number) for number, land in enumerate(self.lands, start=1)],
             closure,
             chamber_depth=self.chamber_depth,
             outer_radius=self.outer_radius,

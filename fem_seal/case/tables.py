@@ -130,10 +130,10 @@ class Load(Table):
         """Key of that load."""
         return "load.largest_earlier_" + ("pressure" if self.largest_earlier_force is None else "force")
 
-    def without(self, numbers: Collection[int]) -> Load:
+    def without_loads(self, numbers: Collection[int]) -> Load:
         """The same without some of the loads."""
-        left = [point for number, point in enumerate(self.points) if number not in numbers]
-        pressures, forces = zip(*left, strict=True)
+        points = [point for number, point in enumerate(self.points) if number not in numbers]
+        pressures, forces = zip(*points, strict=True)
         return self.model_copy(update={"fluid_pressure": pressures, "applied_force": forces})
 
 
@@ -286,12 +286,12 @@ class _Requirement(Table):
         standard = None if self.standard is None else standard_named(self.standard)
         if standard is None:
             return None
-        known = dict.fromkeys((*classes_of(standard, gas=True), *classes_of(standard, gas=False)))
+        class_names = dict.fromkeys((*classes_of(standard, gas=True), *classes_of(standard, gas=False)))
         if self.class_name is None:
             # some have but one
-            return (standard, next(iter(known))) if len(known) == 1 else None
-        found = [one for one in known if one.lower() == self.class_name.strip().lower()]
-        return (standard, found[0]) if found else None
+            return (standard, next(iter(class_names))) if len(class_names) == 1 else None
+        matches = [name for name in class_names if name.lower() == self.class_name.strip().lower()]
+        return (standard, matches[0]) if matches else None
 
     @property
     def volume_of_bubble(self) -> float | None:
@@ -307,21 +307,21 @@ class _Requirement(Table):
         """The tests of its standard for its class, of a valve for gas or for a liquid; empty without them."""
         from leak.standards import closure_tests
 
-        wanted = self.standard_and_class
-        return () if wanted is None else closure_tests(*wanted, gas=gas)
+        standard = self.standard_and_class
+        return () if standard is None else closure_tests(*standard, gas=gas)
 
     @property
     def pressures(self) -> tuple[float, ...]:
         """Fluid pressures of the loads that are judged [Pa]; empty if all are."""
-        given = self.fluid_pressure
-        if given is None:
+        fluid_pressures = self.fluid_pressure
+        if fluid_pressures is None:
             return ()
-        return given if isinstance(given, tuple) else (given,)
+        return fluid_pressures if isinstance(fluid_pressures, tuple) else (fluid_pressures,)
 
     def judges(self, fluid_pressure: float) -> bool:
         """Whether it holds for a load with this fluid pressure [Pa]."""
         return not self.pressures or any(
-            math.isclose(fluid_pressure, one, rel_tol=_SAME) for one in self.pressures
+            math.isclose(fluid_pressure, pressure, rel_tol=_SAME) for pressure in self.pressures
         )
 
 
@@ -341,7 +341,7 @@ else:
 if TYPE_CHECKING:
     # made of the makers of the shapes, which a type checker does not follow
     Closure = shapes.Closure
-    Seat = shapes.Held
+    Seat = shapes.HeldSeat
     Gasket = shapes.Gasket
 else:
     Closure = Annotated[
@@ -378,19 +378,19 @@ class CaseTables(Table):
     _flange: str = PrivateAttr(default="flange")
 
     @property
-    def shown(self) -> tuple[System | None, bool, Unit | None]:
+    def display_units(self) -> tuple[System | None, bool, Unit | None]:
         """In which units its results are shown, and whether leak rates as pressure times volume: see `shown_in`.
 
         So are those of a gas, unless what is required of it, or its target, is a volume. Leak rates have the unit in
         which the case writes the limit, unless it asks for a system of units.
         """
         limit = self.load.target_leak_rate if self.requirement is None else self.requirement.leak_rate
-        without = self.requirement is None and limit is None
+        has_no_limit = self.requirement is None and limit is None
         of_gas = self.fluid is not None and self.fluid.gas is not None
-        throughputs = of_gas and (without or isinstance(limit, Throughput))
-        asked = limit if limit is not None else self.load.target_leak_rate
-        own = None if asked is None or self.report.units else self._unit_of(asked)
-        return self.report.units, throughputs, own if throughputs == isinstance(asked, Throughput) else None
+        throughputs = of_gas and (has_no_limit or isinstance(limit, Throughput))
+        rate = limit if limit is not None else self.load.target_leak_rate
+        unit = None if rate is None or self.report.units else self._unit_of(rate)
+        return self.report.units, throughputs, unit if throughputs == isinstance(rate, Throughput) else None
 
     @property
     def display(self) -> Display:
@@ -401,16 +401,16 @@ class CaseTables(Table):
     def _unit_of(self, limit: float) -> Unit | None:
         """The unit in which a limit is written; None where it has none, or is that of a gas in another state."""
         if isinstance(limit, (Bubbles, Drops)):
-            counted, volume = (
+            things, volume = (
                 ("bubbles", limit.volume) if isinstance(limit, Bubbles) else ("drops", DROP_VOLUME)
             )
-            return Unit(f"{counted}/min", volume / 60.0)
-        written = self.written_at("requirement.leak_rate") or self.written_at("load.target_leak_rate")
-        unit = None if isinstance(limit, NormalVolume) else unit_as_written(written, limit)
+            return Unit(f"{things}/min", volume / 60.0)
+        entry = self.written_entry("requirement.leak_rate") or self.written_entry("load.target_leak_rate")
+        unit = None if isinstance(limit, NormalVolume) else unit_as_written(entry, limit)
         # numbers of Python stand there in m^3/s
         return None if unit is None or unit.size == 1.0 else unit
 
-    def written_at(self, key: str) -> object:
+    def written_entry(self, key: str) -> object:
         """What stands at a key of the case file; None where nothing does, or where no file is known."""
         return None
 
@@ -436,17 +436,17 @@ class CaseTables(Table):
         """Table of a body of the contact, "closure" or "seat": of a gasket its upper half is the latter."""
         return body if body == "closure" or self.gasket is None else "gasket"
 
-    def table_of(self, body: str) -> shapes.Closure | shapes.Held | shapes.Gasket:
+    def table_of(self, body: str) -> shapes.Closure | shapes.HeldSeat | shapes.Gasket:
         """What stands in the table of a body of the contact, "closure" or "seat"."""
-        found: shapes.Closure | shapes.Held | shapes.Gasket = getattr(self, self.key_of(body))
-        return found
+        table: shapes.Closure | shapes.HeldSeat | shapes.Gasket = getattr(self, self.key_of(body))
+        return table
 
     @property
-    def lower(self) -> shapes.Held | shapes.Gasket:
+    def lower(self) -> shapes.HeldSeat | shapes.Gasket:
         """The table of the body below: seat or gasket."""
-        found = self.seat if self.gasket is None else self.gasket
-        assert found is not None  # the reading of a case demands one of them
-        return found
+        table = self.seat if self.gasket is None else self.gasket
+        assert table is not None  # the reading of a case demands one of them
+        return table
 
     @property
     def initial_contact_radius(self) -> float:
@@ -477,8 +477,8 @@ class CaseTables(Table):
     @cached_property
     def contact(self) -> ContactGeometry:
         """Closure and seat in first touch."""
-        named = zip(self.bodies, self.labels.values(), strict=True)
-        return ContactGeometry.of(*(replace(body.outline, label=label) for body, label in named))
+        labelled = zip(self.bodies, self.labels.values(), strict=True)
+        return ContactGeometry.of(*(replace(body.outline, label=label) for body, label in labelled))
 
     @cached_property
     def bodies(self) -> tuple[Shape, Shape]:
@@ -488,12 +488,12 @@ class CaseTables(Table):
 
     def _of_the_shape_of(self, like: CaseTables) -> bool:
         """Whether closure and seat are those of another case but for their material; a file may have changed."""
-        apart = {"material": None, "stop": None}
+        ignored = {"material": None, "stop": None}
         return all(
-            type(one) is type(other)
-            and getattr(one, "file", None) is None
-            and {**dict(one), **apart} == {**dict(other), **apart}
-            for one, other in ((self.closure, like.closure), (self.lower, like.lower))
+            type(table) is type(like_table)
+            and getattr(table, "file", None) is None
+            and {**dict(table), **ignored} == {**dict(like_table), **ignored}
+            for table, like_table in ((self.closure, like.closure), (self.lower, like.lower))
         )
 
     def _take_bodies(self, like: CaseTables) -> None:
@@ -514,19 +514,19 @@ class CaseTables(Table):
         InputError
             If a table of a material does not reach there.
         """
-        found, wrong = {}, list[Problem]()
+        tables, wrong = {}, list[Problem]()
         for name, temperature in (("closure", closure), ("seat", seat)):
             body, key = self.table_of(name), self.key_of(name)
             try:
                 material = body.material.at(temperature)
             except InputError as error:
-                wrong += [replace(one, key=f"{key}.material.{one.key}") for one in error.problems]
+                wrong += [replace(fault, key=f"{key}.material.{fault.key}") for fault in error.problems]
                 continue
             same = material is body.material
-            found[key] = body if same else body.model_copy(update={"material": material})
+            tables[key] = body if same else body.model_copy(update={"material": material})
         if wrong:
             raise InputError(*wrong)
-        return found
+        return tables
 
     @property
     def set_pressure(self) -> float | None:
@@ -534,14 +534,14 @@ class CaseTables(Table):
 
         That of the case, or that of its largest force where a relief valve is required (API 527).
         """
-        required, load = self.requirement, self.load
-        if load.set_pressure is not None or required is None or self.bolts is not None:
+        requirement, load = self.requirement, self.load
+        if load.set_pressure is not None or requirement is None or self.bolts is not None:
             return load.set_pressure
-        wanted, force = required.standard_and_class, max(one for _, one in load.points)
-        if wanted is None or wanted[0] != RELIEF:
+        class_pair, force = requirement.standard_and_class, max(force for _, force in load.points)
+        if class_pair is None or class_pair[0] != RELIEF:
             return None
-        found = blow_off_of_sealed_area(self.initial_contact_radius, force, load.pressure_side)
-        return found if math.isfinite(found) else None
+        pressure = blow_off_of_sealed_area(self.initial_contact_radius, force, load.pressure_side)
+        return pressure if math.isfinite(pressure) else None
 
     def thermal_strain(self, name: str) -> float:
         """Strain by which the body "closure" or "seat" grows freely [-]; zero where its temperature is not given."""
@@ -555,10 +555,10 @@ class CaseTables(Table):
     def body_temperatures(self) -> dict[str, float]:
         """Temperature of "closure" and "seat", where calculated that of their faces [K]; empty where not known."""
         heat = self.temperature
-        given = {} if heat is None else {name: heat.of_body(name) for name in ("closure", "seat")}
-        return self._warm or {name: value for name, value in given.items() if value is not None}
+        temperatures = {} if heat is None else {name: heat.of_body(name) for name in ("closure", "seat")}
+        return self._warm or {name: value for name, value in temperatures.items() if value is not None}
 
-    def warmed(self, closure: float, seat: float) -> Self:
+    def with_temperatures(self, closure: float, seat: float) -> Self:
         """The same with the numbers of materials and fluid at temperatures that were calculated.
 
         Parameters
@@ -590,24 +590,24 @@ class CaseTables(Table):
         if self.fluid is None or self.fluid.gas is None:
             # which is said by those who look at the case as a whole
             return {}, []
-        required = self.requirement
-        limited = required is not None and not (required.leak_rate is None and required.standard is None)
-        volume = None if required is None else required.volume_of_bubble
-        changed, wrong = dict[str, Any](), list[Problem]()
+        demand = self.requirement
+        has_limit = demand is not None and not (demand.leak_rate is None and demand.standard is None)
+        volume = None if demand is None else demand.volume_of_bubble
+        tables, wrong = dict[str, Any](), list[Problem]()
         for table, key in RATES:
-            entries = changed.get(table, getattr(self, table))
+            entries = tables.get(table, getattr(self, table))
             rate = getattr(entries, key, None)
             if isinstance(rate, NormalVolume):
-                told: float = NormalVolume.at(rate.normal, self.fluid.temperature)
+                new_rate: float = NormalVolume.at(rate.normal, self.fluid.temperature)
             elif isinstance(rate, Bubbles) and volume is not None:
-                told = Bubbles.of(rate.count, volume)
+                new_rate = Bubbles.of(rate.count, volume)
             else:
                 if isinstance(rate, Bubbles):
-                    name = "no_bubble" if limited else "no_bubble_of_target"
+                    name = "no_bubble" if has_limit else "no_bubble_of_target"
                     wrong.append(problem(name, key=f"{table}.{key}"))
                 continue
-            changed[table] = entries.model_copy(update={key: told})
-        return changed, wrong
+            tables[table] = entries.model_copy(update={key: new_rate})
+        return tables, wrong
 
     @property
     def conducts_heat(self) -> bool:
@@ -620,8 +620,8 @@ class CaseTables(Table):
         heat = self.temperature
         if heat is None or heat.film is None:
             return False
-        alike = self.closure.material == self.lower.material
-        return not (alike and heat.of_body("closure") == heat.of_body("seat"))
+        same_material = self.closure.material == self.lower.material
+        return not (same_material and heat.of_body("closure") == heat.of_body("seat"))
 
     @property
     def wall_motion(self) -> float:
@@ -635,10 +635,10 @@ class CaseTables(Table):
             return interference
         housing = heat.housing or warm
         if heat.housing_expansion is None:
-            around = self.lower.material.thermal_strain(housing, heat.reference)
+            housing_strain = self.lower.material.thermal_strain(housing, heat.reference)
         else:
-            around = heat.housing_expansion * (housing - heat.reference)
-        return interference + (self.thermal_strain("seat") - around) * wall
+            housing_strain = heat.housing_expansion * (housing - heat.reference)
+        return interference + (self.thermal_strain("seat") - housing_strain) * wall
 
     @property
     def effective_modulus(self) -> float:
@@ -648,12 +648,12 @@ class CaseTables(Table):
     @property
     def hardness(self) -> float | None:
         """Penetration hardness of the contact [Pa]: the softer body's or the only one given; None if none."""
-        known = [
+        values = [
             body.hardness
             for body in (self.closure.material, self.lower.material)
             if body.hardness is not None
         ]
-        return min(known, default=None)
+        return min(values, default=None)
 
     @property
     def softer(self) -> Material:
@@ -666,8 +666,8 @@ class CaseTables(Table):
     @property
     def simulated_asperities(self) -> Asperities:
         """What yields in a direct simulation: as asked for, and unless asked what the theory takes."""
-        asked = None if self.direct is None else self.direct.asperities
-        return asked or ("capped" if self.leak.plasticity and self.hardness is not None else "elastic")
+        asperities = None if self.direct is None else self.direct.asperities
+        return asperities or ("capped" if self.leak.plasticity and self.hardness is not None else "elastic")
 
     @property
     def sampled(self) -> Uncertainty | None:
@@ -688,9 +688,9 @@ class CaseTables(Table):
     @property
     def chambers(self) -> tuple[float | None, ...]:
         """Pressure in each chamber between the lands of the seat [Pa]; None where it follows from the flow."""
-        given = self.load.chamber_pressure or (None,)
+        pressures = self.load.chamber_pressure or (None,)
         count = len(self.contact.chambers)
-        return given * count if len(given) == 1 else given
+        return pressures * count if len(pressures) == 1 else pressures
 
     @property
     def halves(self) -> tuple[CaseTables, ...]:
@@ -699,7 +699,7 @@ class CaseTables(Table):
 
     def without_loads(self, numbers: Collection[int]) -> Self:
         """The same without some of its loads; at least one must be left."""
-        return self.model_copy(update={"load": self.load.without(numbers)}) if numbers else self
+        return self.model_copy(update={"load": self.load.without_loads(numbers)}) if numbers else self
 
 
 def curves(case: CaseTables) -> list[HardeningCurve]:

@@ -53,8 +53,8 @@ class Temperature(Table):
 
     def of_body(self, name: str) -> float | None:
         """Temperature of the body "closure" or "seat" [K]; None where it is not given."""
-        own: float | None = getattr(self, name)
-        return self.uniform if own is None else own
+        temperature: float | None = getattr(self, name)
+        return self.uniform if temperature is None else temperature
 
     @property
     def film(self) -> float | None:
@@ -74,13 +74,13 @@ def with_film_temperature(fluid: Any, temperature: Any) -> Any:
     if not isinstance(fluid, Mapping) or not isinstance(temperature, Mapping) or "temperature" in fluid:
         return fluid
     try:
-        given = {
+        temperatures = {
             name: parse_quantity(temperature[name], "temperature")
             for name in ("uniform", "closure", "seat")
             if temperature.get(name) is not None
         }
     except (QuantityError, ValueError):
         return fluid
-    bodies = [given.get(name) or given.get("uniform") for name in ("closure", "seat")]
-    known = [one for one in bodies if one is not None and one > 0.0]
-    return {**fluid, "temperature": f"{sum(known) / 2!r} K"} if len(known) == 2 else fluid
+    bodies = [temperatures.get(name) or temperatures.get("uniform") for name in ("closure", "seat")]
+    warm = [t for t in bodies if t is not None and t > 0.0]
+    return {**fluid, "temperature": f"{sum(warm) / 2!r} K"} if len(warm) == 2 else fluid

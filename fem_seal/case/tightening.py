@@ -14,7 +14,7 @@ from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import short_quantity
 
 
-def closed_by(load: Load, table: BoltsTable) -> Load:
+def apply_preloads(load: Load, table: BoltsTable) -> Load:
     """A table [load] whose applied forces are the preloads of bolts.
 
     Parameters
@@ -60,14 +60,14 @@ def bolts_of(case: CaseTables) -> Bolts | None:
     at, longer = ROOM_TEMPERATURE, 0.0
     if heat is not None and (table.temperature is not None or warm):
         at = table.temperature or sum(warm.values()) / len(warm)
-        clamped = case.closure.material.thermal_strain(warm.get("closure", heat.reference), heat.reference)
+        parts = case.closure.material.thermal_strain(warm.get("closure", heat.reference), heat.reference)
         if table.thermal_expansion is not None:
-            own = table.thermal_expansion * (at - heat.reference)
+            strain = table.thermal_expansion * (at - heat.reference)
         elif material is not None:
-            own = material.thermal_strain(at, heat.reference)
+            strain = material.thermal_strain(at, heat.reference)
         else:
             raise InputError(problem("bolts_expansion"))
-        longer = (clamped - own) * table.length
+        longer = (parts - strain) * table.length
     modulus = table.youngs_modulus
     if modulus is None:
         assert material is not None  # of the validation
@@ -93,17 +93,17 @@ def problems_of_bolts(case: CaseTables, table: BoltsTable) -> list[Problem]:
     table : BoltsTable
         The case's own.
     """
-    found = list[Problem]()
+    wrong = list[Problem]()
     if case.temperature is None and table.temperature is not None:
-        found.append(problem("bolts_temperature"))
+        wrong.append(problem("bolts_temperature"))
     if case.load.earlier is not None:
-        found.append(problem("bolts_earlier", key=case.load.earlier_key))
+        wrong.append(problem("bolts_earlier", key=case.load.earlier_key))
     try:
         bolts = bolts_of(case)
     except InputError as error:
-        return found + [replace(one, key=f"bolts.{one.key.removeprefix('bolts.')}") for one in error.problems]
-    least = min(force for _, force in case.load.points)
-    if bolts is not None and not least + bolts.thermal_force > 0:
-        lost = short_quantity("force", -bolts.thermal_force)
-        found.append(problem("bolts_loose", lost=lost, preload=short_quantity("force", least)))
-    return found
+        return wrong + [replace(p, key=f"bolts.{p.key.removeprefix('bolts.')}") for p in error.problems]
+    least_force = min(force for _, force in case.load.points)
+    if bolts is not None and not least_force + bolts.thermal_force > 0:
+        lost_force = short_quantity("force", -bolts.thermal_force)
+        wrong.append(problem("bolts_loose", lost=lost_force, preload=short_quantity("force", least_force)))
+    return wrong

@@ -63,11 +63,11 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
         place, at = _columns(table.header)
         angle, deviation = values[:, place], values[:, at]
         angle = angle * _factor_of(_angle_unit(_name(table, place), angle), "angle")
-    kept = np.isfinite(angle) & np.isfinite(deviation)
-    if kept.sum() < _FEWEST_ROWS:
-        raise TextTableError(sentence("trace_points", number=kept.sum(), fewest=_FEWEST_ROWS))
+    is_finite = np.isfinite(angle) & np.isfinite(deviation)
+    if is_finite.sum() < _FEWEST_ROWS:
+        raise TextTableError(sentence("trace_points", number=is_finite.sum(), fewest=_FEWEST_ROWS))
     factor = _factor_of(unit or _unit_in(_name(table, at), "length"), "length")
-    angle, deviation = angle[kept], deviation[kept] * factor
+    angle, deviation = angle[is_finite], deviation[is_finite] * factor
     turn = float(np.ptp(angle))
     if turn > 2 * np.pi * 1.001 + 1e-9:
         raise TextTableError(f"goes {turn / (2 * np.pi):.3g} times around the axis; keep one turn")
@@ -83,7 +83,7 @@ def _longest(file: str | Path) -> TextTable:
     from leak.text_tables import read_tables
 
     try:
-        table = max(read_tables(read_any_text(file)), key=lambda one: len(one.rows))
+        table = max(read_tables(read_any_text(file)), key=lambda text_table: len(text_table.rows))
     except TableError as error:
         raise TextTableError(str(error)) from None
     if len(table.rows) < _FEWEST_ROWS:
@@ -100,9 +100,9 @@ def _columns(header: Sequence[str]) -> tuple[int, int]:
     words = [re.sub(r"[^a-z].*", "", name.lower()) for name in header]
     angle = next((n for n, word in enumerate(words) if word in _ANGLES), 0)
     others = [n for n in range(len(words)) if n != angle] or [1]
-    named = [n for n in others if words and words[n] in _DEVIATIONS]
+    with_name = [n for n in others if words and words[n] in _DEVIATIONS]
     lengths = [n for n in others if header and _factor(_unit_in(header[n], "length"), "length") is not None]
-    return angle, [*named, *lengths, *others][0]
+    return angle, [*with_name, *lengths, *others][0]
 
 
 def _one_turn(deviation: FloatArray) -> FloatArray:
@@ -110,15 +110,15 @@ def _one_turn(deviation: FloatArray) -> FloatArray:
 
     Instruments take an even number of points; with an odd one the point at 360 degrees is among them.
     """
-    closed = len(deviation) % 2 == 1 and deviation[0] == deviation[-1]
-    return deviation[:-1] if closed else deviation
+    is_closed = len(deviation) % 2 == 1 and deviation[0] == deviation[-1]
+    return deviation[:-1] if is_closed else deviation
 
 
 def _unit_in(name: str, dimension: str) -> str | None:
     """The unit that a column's name holds: the first that fits, else what stands in brackets."""
-    found = [match[1] for match in (re.search(pattern, name) for pattern in _UNITS) if match]
-    fitting = (unit for unit in found if _factor(unit, dimension) is not None)
-    return next(fitting, found[0] if re.search(_UNITS[0], name) else None)
+    units = [match[1] for match in (re.search(pattern, name) for pattern in _UNITS) if match]
+    units_of_dimension = (unit for unit in units if _factor(unit, dimension) is not None)
+    return next(units_of_dimension, units[0] if re.search(_UNITS[0], name) else None)
 
 
 def _factor(unit: str | None, dimension: str) -> float | None:
@@ -189,21 +189,21 @@ def read_lay(file: str | Path) -> tuple[float, float]:
         raise TextTableError(f"has {len(x)} points; a lay takes more")
     z = z - np.polyval(np.polyfit(x, z, 2), x)
 
-    def fitted(wavenumber: float) -> tuple[float, float]:
+    def fit_wave(wavenumber: float) -> tuple[float, float]:
         """Amplitude of a wave and the share of the variance that it carries."""
         waves = np.column_stack([np.cos(wavenumber * x), np.sin(wavenumber * x)])
-        found = np.linalg.lstsq(waves, z, rcond=None)[0]
-        return float(np.hypot(*found)), float(np.var(waves @ found) / np.var(z))
+        coefficients = np.linalg.lstsq(waves, z, rcond=None)[0]
+        return float(np.hypot(*coefficients)), float(np.var(waves @ coefficients) / np.var(z))
 
-    first, last = 2 * np.pi * _FEWEST_PERIODS / length, 0.5 * np.pi * len(x) / length
-    tried = np.arange(first, last, 0.25 * np.pi / length)
-    if not np.ptp(z) > _LOWEST or len(tried) == 0:
+    lowest, highest = 2 * np.pi * _FEWEST_PERIODS / length, 0.5 * np.pi * len(x) / length
+    wavenumbers = np.arange(lowest, highest, 0.25 * np.pi / length)
+    if not np.ptp(z) > _LOWEST or len(wavenumbers) == 0:
         raise TextTableError("is even, or too short, and shows no lay")
-    near = float(tried[int(np.argmax([fitted(k)[1] for k in tried]))])
+    peak = float(wavenumbers[int(np.argmax([fit_wave(k)[1] for k in wavenumbers]))])
     best = minimize_scalar(
-        lambda k: -fitted(k)[1], bounds=(near - np.pi / length, near + np.pi / length), method="bounded"
+        lambda k: -fit_wave(k)[1], bounds=(peak - np.pi / length, peak + np.pi / length), method="bounded"
     )
-    amplitude, share = fitted(float(best.x))
+    amplitude, share = fit_wave(float(best.x))
     if share < _LEAST_SHARE:
         shares = {"share": 100 * share, "least": 100 * _LEAST_SHARE}
         raise TextTableError(sentence("no_lay", length=2e6 * np.pi / best.x, **shares))

@@ -25,8 +25,8 @@ def problem(name: str, /, **values: object) -> Problem:
 
 def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProblem:
     """Why a load cannot be calculated; see `problem` and `LoadProblem`."""
-    found = problem(name, **values)
-    return LoadProblem(found.key, found.message, found.value, kind)
+    fault = problem(name, **values)
+    return LoadProblem(fault.key, fault.message, fault.value, kind)
 
 
 def wrong(name: str, /, **values: object) -> ValueError:

@@ -381,7 +381,7 @@ def surface(
         "q_low": q_low,
         "q_high": q_high,
     }
-    measured = scan_case([str(file) for file in files], entries).measured()
+    measured = scan_case([str(file) for file in files], entries).read_scans()
     folder = _create_folder(output or files[0].with_suffix(".surface"))
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_surface(measured, draft)

@@ -85,7 +85,9 @@ def new(
         new_case.read_text_case(text)
     _write(text, path)
     kept = [
-        f"{one.words} {value}" for one, _, value in new_case.asked(text) if one.name in _SCALED - given.keys()
+        f"{one.words} {value}"
+        for one, _, value in new_case.find_questions(text)
+        if one.name in _SCALED - given.keys()
     ]
     if kept and given and not asks:
         scale = ", to the scale of what you gave" if {"bore", "diameter"} & given.keys() else ""
@@ -140,7 +142,7 @@ def _check_place(path: Path, force: bool) -> None:
 def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
     from fem_seal.case import new_case
 
-    paths = {question.name: path for question, path, _ in new_case.asked(text)}
+    paths = {question.name: path for question, path, _ in new_case.find_questions(text)}
     # a template with a class also takes a leak rate; in one with a leak rate a class replaces it
     paths.setdefault("leak-rate", "requirement.leak_rate")
     paths.setdefault("class", "requirement.class")
@@ -164,10 +166,10 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     # the bore is scaled first; the closure may then get its own size
     leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
     if leading is not None:
-        text = new_case.scaled(text, leading, changes[leading], kept=tuple(changes))
+        text = new_case.scale_case(text, leading, changes[leading], fixed_paths=tuple(changes))
     if "included-angle" in given and "diameter" not in given:
         text = new_case.for_angle(text, given["included-angle"])
-    before = {path: value for _, path, value in new_case.asked(text)}
+    before = {path: value for _, path, value in new_case.find_questions(text)}
     text, changes = new_case.with_own_finish(text, changes)
     text = new_case.with_entries(text, changes)
     if given.get("fluid") not in (None, before.get("fluid.name")):
@@ -202,7 +204,7 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
     while True:
         answered: list[str] = []
         for question in new_case.QUESTIONS:
-            found = next((one for one in new_case.asked(text) if one[0] is question), None)
+            found = next((one for one in new_case.find_questions(text) if one[0] is question), None)
             if found is not None and question.name not in given:
                 text = _answer_question(text, *found, kept=answered)
             answered += [] if found is None else [found[1]]
@@ -226,7 +228,9 @@ def _answer_question(text: str, question: Question, path: str, value: str, kept:
         changed = text
         if answer != value:
             sized = (
-                new_case.scaled(text, path, answer, kept) if question.name in ("bore", "diameter") else text
+                new_case.scale_case(text, path, answer, kept)
+                if question.name in ("bore", "diameter")
+                else text
             )
             changed = new_case.with_entries(sized, {path: answer})
             if question.name == "fluid":

@@ -115,7 +115,7 @@ class Session:
         design = self.design(design)
         try:
             case = self.case(design)
-            with shown_in(*case.shown):
+            with shown_in(*case.display_units):
                 if slow := self.slow(case):
                     return Screen(design, section=section_of(case), waiting=slow_words(slow))
                 return (calculate or _calculate_here)(case, design)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fem_seal.case.fields import shown as written
+from fem_seal.case.fields import show as written
 from fem_seal.errors import InputError
 from fem_seal.output.answers.sensitivities import load_of, shown_sensitivities, step_in_words
 from fem_seal.output.pictures.around import draw_leak_around, draw_line_load

@@ -188,7 +188,7 @@ def warmed(case: AnyCase) -> AnyCase:
     try:
         with _at_temperature():
             faces = heating(case).field(_mesh(case.contact, sizing), materials).faces
-        return case.warmed(faces["closure"], faces["seat"])
+        return case.with_temperatures(faces["closure"], faces["seat"])
     except InputError as error:
         raise error.in_file(case.file) from None
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
-from fem_seal.case.fields import Quantity, shown
+from fem_seal.case.fields import Quantity, show
 from fem_seal.case.notation import as_difference, said_twice
 from fem_seal.case.paths import Entry, Value, entry_at, with_open_materials
 from fem_seal.errors import InputError
@@ -136,7 +136,7 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
             except InputError as error:
                 raise _file_error(path, f"row {number}, {error.problems[0]}") from None
             except ValueError as error:
-                place = f"row {number}, {entry.path} = {shown(cell.strip())}"
+                place = f"row {number}, {entry.path} = {show(cell.strip())}"
                 raise _file_error(path, f"{place}: {error}") from None
     parameters = tuple(
         Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
@@ -149,7 +149,7 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
 
 
 def _file_error(path: Path, what: str) -> InputError:
-    return InputError.at("design.file", what, shown(path.name))
+    return InputError.at("design.file", what, show(path.name))
 
 
 def _heading(cell: str, path: Path) -> tuple[str, str]:
@@ -157,7 +157,7 @@ def _heading(cell: str, path: Path) -> tuple[str, str]:
     if match is None:
         separated = re.search(r"[;\t]", cell)
         advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
-        raise _file_error(path, f"has a heading {shown(cell)} that is no path{advice}")
+        raise _file_error(path, f"has a heading {show(cell)} that is no path{advice}")
     return match[1], (match[2] or "").strip()
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
-from fem_seal.case.fields import shown
+from fem_seal.case.fields import show
 from fem_seal.case.notation import same_entry
 from fem_seal.case.paths import Value
 from fem_seal.case.words import problem
@@ -161,7 +161,7 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
         text = re.sub(rf"\b{_LEAK_RATE}\b", _MEDIAN, text) if tested else text
         formula = _formula(Expression, key, text, study.derived, study)
         if formula.text in goals:
-            raise InputError.at(key, "is a goal already; remove one of them", shown(text))
+            raise InputError.at(key, "is a goal already; remove one of them", show(text))
         goals[formula.text] = Expression(f"-({formula.text})") if large else formula
     return goals
 
@@ -211,7 +211,7 @@ def _check_responses(study: StudyPlan, responses: Sequence[str]) -> None:
     for n, name in enumerate(responses):
         if name not in (*LEAK_COLUMNS, _VERDICT):
             unknown = unknown_name(name, list(LEAK_COLUMNS), "no column of leak.csv")
-            raise InputError.at("responses", unknown, shown(name))
+            raise InputError.at("responses", unknown, show(name))
         if name in responses[:n]:
             raise InputError.at("responses", f"names {name} twice; remove one")
         _check_possible("responses", name, study)
@@ -222,14 +222,14 @@ def _formula(kind: type[F], key: str, text: str, derived: Iterable[str], study: 
     try:
         formula = kind(in_full(text, [*study.names, *derived]))
     except ExpressionError as error:
-        raise InputError.at(key, str(error), shown(text)) from None
+        raise InputError.at(key, str(error), show(text)) from None
     known = [*study.names, *LEAK_COLUMNS, *derived]
     for name in formula.names:
         if name not in known:
-            raise InputError.at(key, unknown_name(name, known), shown(text))
+            raise InputError.at(key, unknown_name(name, known), show(text))
         words = [one for one in study.parameters if one.name == name and not one.numeric]
         if words:
-            raise InputError.at(key, f"calculates with {name}, which holds words", shown(text))
+            raise InputError.at(key, f"calculates with {name}, which holds words", show(text))
         _check_possible(key, name, study)
     return formula
 
@@ -241,13 +241,13 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
     left, right = (side.unit_of(units) for side in constraint.sides)
     if None not in (left, right) and left != right:
         kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
-        raise InputError.at(key, f"compares {kinds}", shown(constraint.text))
+        raise InputError.at(key, f"compares {kinds}", show(constraint.text))
     for share, other in (constraint.sides, constraint.sides[::-1]):
         if share.what in _SHARES and not other.names and other.number({}) > 1.0:
             raise InputError.at(
                 key,
                 f"compares {share.what}, a share of at most 1, with {other.number({}):g}; write 0.95 for 95 %",
-                shown(constraint.text),
+                show(constraint.text),
             )
 
 
@@ -307,7 +307,7 @@ def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool
     if not parameters:
         raise InputError(problem("study_no_parameters"))
     if design.file is not None:
-        raise InputError(problem("study_file_without_list", file=shown(design.file)))
+        raise InputError(problem("study_file_without_list", file=show(design.file)))
     if optimise:
         _check_searched(parameters)
     elif design.kind == "grid":
@@ -337,7 +337,7 @@ def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
         raise InputError(problem("study_num_of_sensitivity", kind=design.kind, num=design.num))
     for parameter in parameters:
         if parameter.distribution is None and parameter.numeric:
-            low, high = map(parameter.entry.shown, parameter.bounds)
+            low, high = map(parameter.entry.show, parameter.bounds)
             words = problem(
                 "study_sample_of_levels", key=parameter.name, kind=design.kind, low=low, high=high
             )
@@ -348,7 +348,7 @@ def check_kept(study: StudyPlan) -> None:
     """InputError if the designs whose complete results are wanted cannot exist."""
     wanted = study.run_settings.keep_fields
     if wanted == "best" and not study.goals:
-        raise InputError(problem("study_best_without_goal", wanted=shown(wanted)))
+        raise InputError(problem("study_best_without_goal", wanted=show(wanted)))
     if isinstance(wanted, str):
         return
     count = study.optimise.trials if study.optimise else len(study.points)

@@ -221,8 +221,10 @@ def description(study: StudyPlan) -> dict[str, Any]:
         "seal": {
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
-            "throughputs": case.shown[1],
-            "leak_rate_unit": None if case.shown[2] is None else [case.shown[2].name, case.shown[2].size],
+            "throughputs": case.display_units[1],
+            "leak_rate_unit": None
+            if case.display_units[2] is None
+            else [case.display_units[2].name, case.display_units[2].size],
             "fluid": case.fluid.name if case.fluid else None,
             # limits of classes depend on the design
             "limit_m3_per_s": None if required is None or required.standard else required.leak_rate,
@@ -252,7 +254,7 @@ def _keep_fields(
             continue
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
         changes = {
-            parameter.name: parameter.entry.written(inputs[parameter.name]) for parameter in study.parameters
+            parameter.name: parameter.entry.write(inputs[parameter.name]) for parameter in study.parameters
         }
         mark.unlink(missing_ok=True)
         limit = study.run_settings.time_limit

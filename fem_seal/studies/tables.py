@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.fields import Quantity, Table, Whole, shown
+from fem_seal.case.fields import Quantity, Table, Whole, show
 from fem_seal.case.paths import Entry, Value
 from fem_seal.case.schema import as_schema
 from fem_seal.case.words import problem
@@ -87,7 +87,7 @@ def entries(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray
         Number of each, see `Parameter.value`.
     """
     return {
-        parameter.name: parameter.entry.written(parameter.value(number))
+        parameter.name: parameter.entry.write(parameter.value(number))
         for parameter, number in zip(parameters, point, strict=True)
     }
 
@@ -96,7 +96,7 @@ def design_text(parameters: Sequence[Parameter], point: Sequence[float] | FloatA
     """A design for people: the values of its parameters, see `entries`."""
     values = zip(parameters, point, strict=True)
     return ", ".join(
-        f"{parameter.name} = {parameter.entry.shown(parameter.value(number))}" for parameter, number in values
+        f"{parameter.name} = {parameter.entry.show(parameter.value(number))}" for parameter, number in values
     )
 
 
@@ -120,7 +120,7 @@ def read_parameter(entry: Entry, given: object) -> Parameter:
         return Parameter(entry, distribution=_distribution(entry, key, given))
     if isinstance(given, Mapping):
         return Parameter(entry, _range(entry, key, given))
-    raise InputError(problem("study_parameter", path=entry.path, given=shown(given)))
+    raise InputError(problem("study_parameter", path=entry.path, given=show(given)))
 
 
 def _levels(entry: Entry, key: str, given: list[object]) -> tuple[Value, ...]:
@@ -129,7 +129,7 @@ def _levels(entry: Entry, key: str, given: list[object]) -> tuple[Value, ...]:
     values = tuple(_read(entry, key, one) for one in given)
     twice = [one for n, one in enumerate(values) if one in values[:n]] if len(values) < 1000 else []
     if twice:
-        raise InputError.at(key, f"names {shown(given[values.index(twice[0])])} twice; remove one")
+        raise InputError.at(key, f"names {show(given[values.index(twice[0])])} twice; remove one")
     return values
 
 
@@ -137,7 +137,7 @@ def _read(entry: Entry, key: str, given: object) -> Value:
     try:
         return entry.read(given)
     except ValueError as error:
-        raise InputError.at(key, str(error), shown(given)) from None
+        raise InputError.at(key, str(error), show(given)) from None
 
 
 def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...]:
@@ -148,13 +148,13 @@ def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...
     start, stop = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("start", "stop"))
     num, spacing = given["num"], given.get("spacing", "linear")
     if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= _MOST_LEVELS:
-        raise InputError.at(f"{key}.num", f"must be a whole number from 2 to {_MOST_LEVELS}", shown(num))
+        raise InputError.at(f"{key}.num", f"must be a whole number from 2 to {_MOST_LEVELS}", show(num))
     if spacing not in ("linear", "log"):
-        raise InputError.at(f"{key}.spacing", 'must be "linear" or "log"', shown(spacing))
+        raise InputError.at(f"{key}.spacing", 'must be "linear" or "log"', show(spacing))
     if not start < stop:
-        raise InputError.at(f"{key}.start", "must be below stop", shown(given["start"]))
+        raise InputError.at(f"{key}.start", "must be below stop", show(given["start"]))
     if spacing == "log" and start <= 0:
-        raise InputError.at(f"{key}.start", 'must be above zero with spacing = "log"', shown(given["start"]))
+        raise InputError.at(f"{key}.start", 'must be above zero with spacing = "log"', show(given["start"]))
     shares = [n / (num - 1) for n in range(1, num - 1)]
     inner = [
         start + (stop - start) * t if spacing == "linear" else start * math.exp(math.log(stop / start) * t)
@@ -167,7 +167,7 @@ def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribut
     kind = given["distribution"]
     if kind not in DISTRIBUTIONS:
         listed = ", ".join(f'"{one}"' for one in DISTRIBUTIONS)
-        raise InputError.at(f"{key}.distribution", f"must be one of {listed}", shown(kind))
+        raise InputError.at(f"{key}.distribution", f"must be one of {listed}", show(kind))
     if not entry.numeric:
         raise InputError.at(key, "holds words, which have no distribution; write a list")
     numbers, make = DISTRIBUTIONS[kind]
@@ -178,18 +178,18 @@ def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribut
         try:
             entry.check(bound)
         except ValueError as error:
-            raise InputError.at(key, f"reaches {entry.shown(bound)}, which is {error}") from None
+            raise InputError.at(key, f"reaches {entry.show(bound)}, which is {error}") from None
     return made
 
 
 def _uniform(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
     low, high = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("low", "high"))
     if not low < high:
-        raise InputError.at(f"{key}.low", "must be below high", shown(given["low"]))
+        raise InputError.at(f"{key}.low", "must be below high", show(given["low"]))
     if given["distribution"] == "uniform":
         return Uniform(low, high)
     if low <= 0:
-        raise InputError.at(f"{key}.low", "must be above zero", shown(given["low"]))
+        raise InputError.at(f"{key}.low", "must be above zero", show(given["low"]))
     return LogUniform(low, high)
 
 
@@ -202,9 +202,9 @@ def _lognormal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution
     median = float(_read(entry, f"{key}.median", given["median"]))
     relative = given["relative"]
     if isinstance(relative, bool) or not isinstance(relative, (int, float)) or not 0 < relative <= 1:
-        raise InputError(problem("study_relative_width", key=f"{key}.relative", given=shown(relative)))
+        raise InputError(problem("study_relative_width", key=f"{key}.relative", given=show(relative)))
     if median <= 0:
-        raise InputError.at(f"{key}.median", "must be above zero", shown(given["median"]))
+        raise InputError.at(f"{key}.median", "must be above zero", show(given["median"]))
     return LogNormal(median, float(relative))
 
 
@@ -227,9 +227,9 @@ def _width(entry: Entry, key: str, given: object) -> float:
         else:
             raise ValueError("is not a number")
     except ValueError as error:
-        raise InputError.at(key, str(error), shown(given)) from None
+        raise InputError.at(key, str(error), show(given)) from None
     if not (math.isfinite(width) and width > 0):
-        raise InputError.at(key, "must be above zero", shown(given))
+        raise InputError.at(key, "must be above zero", show(given))
     return width
 
 
@@ -239,7 +239,7 @@ def _check_keys(
     unknown = [name for name in given if name not in known]
     missing = [name for name in needed if name not in given]
     if unknown or missing:
-        wrong = f"has an unknown key {shown(unknown[0])}" if unknown else f"lacks {missing[0]}"
+        wrong = f"has an unknown key {show(unknown[0])}" if unknown else f"lacks {missing[0]}"
         raise InputError.at(key, f"{wrong}; write {example}")
 
 

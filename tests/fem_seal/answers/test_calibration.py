@@ -25,7 +25,7 @@ from fem_seal.answers.conflict import Data, conflict_of, data_p_value
 from fem_seal.answers.measurements import TRUTHS, Draws, weighted_quantiles
 from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.samples import drawn_values, uncertain_inputs
-from fem_seal.case.measured import measured_in, read_measured
+from fem_seal.case.measured import read_measured, read_measured_text
 from fem_seal.cli.app import main
 from fem_seal.output import calibration as module
 from fem_seal.output.answers.error_shares import input_name
@@ -253,7 +253,7 @@ def test_readings_in_any_unit(tmp_path):
     assert (second.uncertainty, second.below) == (0.1, True)
     assert first.applied_force == second.applied_force == 1000.0
     frame = pd.DataFrame({"fluid_pressure_Pa": [5e5], "leak_rate_m3_per_s": [2e-8], "fluid": ["nitrogen"]})
-    (gas,) = measured_in(case, frame.to_csv(index=False))
+    (gas,) = read_measured_text(case, frame.to_csv(index=False))
     assert gas.case.fluid.name == "nitrogen"
     assert gas.leak_rate == pytest.approx(2e-8)
 

@@ -11,7 +11,7 @@ from sample_results import ball, cone, smooth_case
 
 import fem_seal
 from fem_seal.answers.closed_forms import borne, foreseen, run_seconds
-from fem_seal.case.checks import MOST_TURNED, refused_loads, turning
+from fem_seal.case.checks import MOST_TURNED, refused_loads, turning_angle
 from fem_seal.cli.app import main
 from fem_seal.contact.solution import yielding_of
 from fem_seal.errors import InputError
@@ -86,12 +86,12 @@ def test_faces_turn_by_the_half_width_over_the_radius_and_not_at_all_on_a_flat()
     contact = fem_seal.load_case(EXAMPLES / "ball_cone.toml").contact
     for share in (0.001, 0.01, 0.05):
         # a/R, of the tangent of an angle of share: to its square
-        assert turning(contact, share * contact.relative_radius) == pytest.approx(share, rel=0.01)
+        assert turning_angle(contact, share * contact.relative_radius) == pytest.approx(share, rel=0.01)
     flat = fem_seal.load_case(EXAMPLES / "ring_joint.toml").contact
     start, end = flat.reach
-    assert turning(flat, 0.05 * (end - start)) == pytest.approx(0.0, abs=1e-6)
+    assert turning_angle(flat, 0.05 * (end - start)) == pytest.approx(0.0, abs=1e-6)
     # no contact is as wide as that
-    assert turning(flat, 0.6 * (end - start)) == 0.0
+    assert turning_angle(flat, 0.6 * (end - start)) == 0.0
 
 
 def test_a_knife_edge_that_no_load_step_ends_is_refused_with_the_force_that_small_strains_hold():
@@ -102,7 +102,7 @@ def test_a_knife_edge_that_no_load_step_ends_is_refused_with_the_force_that_smal
     allowed = float(str(told.value).split("at a contact force of ")[1].split(" kN")[0]) * 1e3
     contact = knife("1 kN").contact
     f = allowed / (2 * math.pi * contact.initial_contact_radius)
-    assert turning(contact, plastic_half_width(f, 300e6)) == pytest.approx(0.25, rel=0.01)
+    assert turning_angle(contact, plastic_half_width(f, 300e6)) == pytest.approx(0.25, rel=0.01)
     # the same edge ten times as blunt
     assert not refused_loads(knife("25 kN", edge_radius="1 mm"))
 

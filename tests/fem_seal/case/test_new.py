@@ -14,7 +14,14 @@ from typer.testing import CliRunner
 from fem_seal import InputError, load_case, run
 from fem_seal.case.checks import face_remarks
 from fem_seal.case.fields import NominalSizeEntry
-from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, read_text_case, template, with_entries
+from fem_seal.case.new_case import (
+    QUESTIONS,
+    TEMPLATES,
+    find_questions,
+    read_text_case,
+    template,
+    with_entries,
+)
 from fem_seal.case.schema import case_schema
 from fem_seal.cli.app import app, main
 from fem_seal.cli.new import CLASSES as LISTED
@@ -209,7 +216,7 @@ def test_every_question_has_its_option(call) -> None:
 
 
 def test_every_question_has_an_entry_in_some_template() -> None:
-    found = {question.name for name in TEMPLATES for question, _, _ in asked(template(name))}
+    found = {question.name for name in TEMPLATES for question, _, _ in find_questions(template(name))}
     assert found == {one.name for one in QUESTIONS}
 
 

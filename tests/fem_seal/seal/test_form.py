@@ -343,7 +343,7 @@ def test_a_trace_beside_the_case_file(tmp_path: Path) -> None:
     assert str(tmp_path / "trace.csv") in case.named_files
     few = case.replace({"form.seat.trace": {"file": str(tmp_path / "trace.csv"), "waves": 60}})
     assert few.form is not None and few.form.seat is not None and few.form.seat.trace is not None
-    assert few.form.seat.trace.told == 35
+    assert few.form.seat.trace.usable_waves == 35
     assert any("resolves no more than 35 waves per turn" in one for one in error_of(few).remarks)
 
 
