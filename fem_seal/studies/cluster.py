@@ -14,7 +14,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import ClusterError, InputError
 from fem_seal.studies.store import Row
 from fem_seal.studies.work import DesignSpec, calculate_watched
-from fem_seal.studies.worker_pool import HEARTBEAT, KEPT, Task, WorkerPool, Workers
+from fem_seal.studies.worker_pool import HEARTBEAT, RESUME_HINT, Task, WorkerPool, Workers
 from fem_seal.units import duration
 from leak.extras import needed
 
@@ -72,10 +72,10 @@ class ClusterWorkers(Workers):
         self._next_count = 0.0
 
     @contextmanager
-    def listen(self, put: Callable[[Any], None]) -> Iterator[None]:
+    def listen(self, report: Callable[[Any], None]) -> Iterator[None]:
         """See `Workers`."""
-        self._put = put
-        self._client.subscribe_topic(self._topic, lambda event: put(event[1]))
+        self._put = report
+        self._client.subscribe_topic(self._topic, lambda event: report(event[1]))
         try:
             yield
         finally:
@@ -97,7 +97,7 @@ class ClusterWorkers(Workers):
         if self._addresses:
             self._last_worker, self._waits = now, False
         elif now - self._last_worker > self._patience:
-            raise ClusterError(f"there has been no worker for {self._patience:.0f} s; {KEPT}")
+            raise ClusterError(f"there has been no worker for {self._patience:.0f} s; {RESUME_HINT}")
         elif now - self._last_worker > _ANSWER and not self._waits:
             self._waits = True
             self._note(f"no worker is there; waiting for one up to {duration(self._patience)}")
@@ -122,8 +122,8 @@ class ClusterWorkers(Workers):
         try:
             if future.status == "finished":
                 try:
-                    calculated: _Rows = future.result(timeout=_ANSWER)
-                    return calculated.rows
+                    answer: _Rows = future.result(timeout=_ANSWER)
+                    return answer.rows
                 except Exception:  # calculated, but lost on the way back with the worker that held it
                     return None
             error = future.exception(timeout=_ANSWER) if future.status == "error" else None
@@ -135,7 +135,7 @@ class ClusterWorkers(Workers):
             raise error
         # a design that fails is a row: what ends up here is the worker's own fault
         message = f"a worker cannot calculate: {type(error).__name__}: {error}"
-        raise ClusterError(f"{message}. Install this version of fem-seal where workers run; {KEPT}")
+        raise ClusterError(f"{message}. Install this version of fem-seal where workers run; {RESUME_HINT}")
 
     def cancel(self, future: Any, worker: str, *, replaceable: bool) -> bool:
         """See `Workers`."""
@@ -157,8 +157,8 @@ class ClusterWorkers(Workers):
             If the scheduler is gone.
         """
         if self._client.status == "closed":
-            raise ClusterError(f"the connection to the scheduler is lost; {KEPT}")
-        there = self.names()
+            raise ClusterError(f"the connection to the scheduler is lost; {RESUME_HINT}")
+        workers = self.names()
         keys = [future.key for future in tasks]
         states = self._answer(self._client.scheduler.get_task_status, keys=keys) or {}
         doubtful = {key for key, state in states.items() if state in (None, "forgotten", "memory", "erred")}
@@ -169,7 +169,7 @@ class ClusterWorkers(Workers):
             for future, task in tasks.items()
             if future.status == "lost"
             or future.key in unknown
-            or (states.get(future.key) == "no-worker" and there and task.worker not in (None, *there))
+            or (states.get(future.key) == "no-worker" and workers and task.worker not in (None, *workers))
         ]
         for future in lost:
             future.release()

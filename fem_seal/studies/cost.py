@@ -13,7 +13,7 @@ INTERVAL = frozenset(
 )
 FORCE_FOR_VERDICT = "force_for_verdict_N"
 # What takes the share of the samples that keep the requirement.
-PASSING = frozenset({"pass_probability", "pass_probability_error", "batch_share_p05"})
+PASS_COLUMNS = frozenset({"pass_probability", "pass_probability_error", "batch_share_p05"})
 # A sample of uncertain inputs [s]; forces that are tried for a target, and runs for a verdict.
 _SAMPLE, _FORCES, _RUNS = 0.02, 12, 6
 # Samples that are calculated for that share, of five inputs.
@@ -41,13 +41,13 @@ def design_seconds(case: Case, columns: Collection[str]) -> float:
         Of leak.csv.
     """
     verdict = FORCE_FOR_VERDICT in columns
-    sampled = case.sampled is not None and (verdict or not INTERVAL.isdisjoint(columns))
-    samples = 0 if case.sampled is None or not sampled else case.sampled.samples
-    if case.sampled is not None and not PASSING.isdisjoint(columns):
+    has_samples = case.sampled is not None and (verdict or not INTERVAL.isdisjoint(columns))
+    samples = 0 if case.sampled is None or not has_samples else case.sampled.samples
+    if case.sampled is not None and not PASS_COLUMNS.isdisjoint(columns):
         samples += _FOR_SHARE
-    once = seconds(case) + _SAMPLE * samples + (OWN if sampled else 0.0)
-    asked = case.load.target_leak_rate is not None
+    load_time = seconds(case) + _SAMPLE * samples + (OWN if has_samples else 0.0)
+    target = case.load.target_leak_rate is not None
     forces = (
-        OWN + _FORCES * load_seconds(case) if asked and (verdict or any(map(is_target, columns))) else 0.0
+        OWN + _FORCES * load_seconds(case) if target and (verdict or any(map(is_target, columns))) else 0.0
     )
-    return forces + once * (_RUNS if asked and verdict else 1)
+    return forces + load_time * (_RUNS if target and verdict else 1)

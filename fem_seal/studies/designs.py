@@ -119,20 +119,20 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
     twice = [name for n, name in enumerate(paths) if name in paths[:n]]
     if twice:
         raise _file_error(path, f"has two columns {twice[0]}; remove one")
-    again = said_twice(paths)
-    if again:
-        raise _file_error(path, f"has columns {again[0]} and {again[1]}, two words for one entry; remove one")
+    pair = said_twice(paths)
+    if pair:
+        raise _file_error(path, f"has columns {pair[0]} and {pair[1]}, two words for one entry; remove one")
     case = with_open_materials(case, paths)
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
-    fluid = None if any(one.startswith("fluid.") for one in paths) else case.written.get("fluid")
+    fluid = None if any(name.startswith("fluid.") for name in paths) else case.written.get("fluid")
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(entries):
             raise _file_error(path, f"row {number} has {len(row)} cells, the heading {len(entries)}")
         for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
             try:
-                given = as_difference(entry.path, _cell(cell.strip(), unit, entry.marker), fluid)
-                column.append(entry.read(given))
+                value = as_difference(entry.path, _cell(cell.strip(), unit, entry.marker), fluid)
+                column.append(entry.read(value))
             except InputError as error:
                 raise _file_error(path, f"row {number}, {error.problems[0]}") from None
             except ValueError as error:
@@ -142,8 +142,8 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
         Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
     )
     numbers = [
-        column if one.numeric else [one.levels.index(value) for value in column]
-        for one, column in zip(parameters, columns, strict=True)
+        column if parameter.numeric else [parameter.levels.index(value) for value in column]
+        for parameter, column in zip(parameters, columns, strict=True)
     ]
     return case, parameters, np.array(numbers, dtype=float).T
 
@@ -155,8 +155,8 @@ def _file_error(path: Path, what: str) -> InputError:
 def _heading(cell: str, path: Path) -> tuple[str, str]:
     match = re.fullmatch(r"\s*([\w.]+)\s*(?:\[([^\]]*)\])?\s*", cell)
     if match is None:
-        separated = re.search(r"[;\t]", cell)
-        advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
+        separator = re.search(r"[;\t]", cell)
+        advice = "; separate the columns by commas" if separator else ", such as seat.angle [deg]"
         raise _file_error(path, f"has a heading {show(cell)} that is no path{advice}")
     return match[1], (match[2] or "").strip()
 

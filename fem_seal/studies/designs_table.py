@@ -70,8 +70,8 @@ class Designs:
     @property
     def limit(self) -> float | None:
         """What the requirement of the base case allows to leak [m^3/s]; None if that is not one number."""
-        varied = any(name.startswith("requirement.") for name in self.parameters)
-        return None if varied else self.about["seal"].get("limit_m3_per_s")
+        varies = any(name.startswith("requirement.") for name in self.parameters)
+        return None if varies else self.about["seal"].get("limit_m3_per_s")
 
     @property
     def confidence(self) -> float:
@@ -83,9 +83,9 @@ class Designs:
         """Probability to pass that a constraint asks for; None where none does."""
         for text in self.about["constraints"].values():
             first, second = Constraint(text).sides
-            for one, other in ((first, second), (second, first)):
-                if one.what == PASSES and not other.names:
-                    return other.number({})
+            for side, opposite in ((first, second), (second, first)):
+                if side.what == PASSES and not opposite.names:
+                    return opposite.number({})
         return None
 
     @property
@@ -134,8 +134,8 @@ class Designs:
     def _texts(self, name: str) -> pd.Series:
         import pandas as pd
 
-        told = self.successes.get(name, pd.Series("", index=self.successes.index, dtype=object))
-        return told.fillna("").astype(object)
+        texts = self.successes.get(name, pd.Series("", index=self.successes.index, dtype=object))
+        return texts.fillna("").astype(object)
 
     @cached_property
     def is_outside(self) -> pd.Series:
@@ -150,8 +150,8 @@ class Designs:
     @cached_property
     def eligible(self) -> pd.Series:
         """Which designs that did not fail can be the best: they meet all constraints and are inside the theory."""
-        kept = ~self.is_outside | self.keeps_outside
-        return kept & self.successes.index.isin(self.feasible.index)
+        counts = ~self.is_outside | self.keeps_outside
+        return counts & self.successes.index.isin(self.feasible.index)
 
     @property
     def left_out(self) -> int:
@@ -169,9 +169,9 @@ class Designs:
         import pandas as pd
 
         texts = [f"{name}: {text}" for name, text in self.about["constraints"].items()]
-        met = self.successes[list(self.about["constraints"])].to_numpy(dtype=bool)
+        rows = self.successes[list(self.about["constraints"])].to_numpy(dtype=bool)
         words = [
-            ", ".join(text for text, kept in zip(texts, row, strict=True) if not kept) for row in met.tolist()
+            ", ".join(text for text, ok in zip(texts, row, strict=True) if not ok) for row in rows.tolist()
         ]
         return pd.Series(words, index=self.successes.index, dtype=object)
 
@@ -211,21 +211,21 @@ class Designs:
     @property
     def outputs(self) -> list[str]:
         """Responses and derived columns, without those that only stand beside others."""
-        beside = self.about.get("beside", ())
-        return [*(name for name in self.about["responses"] if name not in beside), *self.about["derived"]]
+        companions = self.about.get("beside", ())
+        return [*(name for name in self.about["responses"] if name not in companions), *self.about["derived"]]
 
     @cached_property
     def informative_outputs(self) -> list[str]:
         """Outputs that vary by more than round-off and are no parameter under another name."""
         inputs = [self.successes[name].to_numpy(dtype=float) for name in self.numeric_parameters]
-        found = []
+        names = []
         for name in self.outputs:
             values = self.successes[name].to_numpy(dtype=float)
             finite = values[np.isfinite(values)]
             varies = finite.size and np.ptp(finite) > _ROUND_OFF * np.abs(finite).max()
-            if varies and not any(np.allclose(values, one, rtol=_ROUND_OFF, atol=0.0) for one in inputs):
-                found.append(name)
-        return found
+            if varies and not any(np.allclose(values, x, rtol=_ROUND_OFF, atol=0.0) for x in inputs):
+                names.append(name)
+        return names
 
     @cached_property
     def goal_values(self) -> pd.DataFrame:
@@ -262,10 +262,10 @@ class Designs:
         return [int(number) for number in goals.sort_values(list(goals.columns)).index[:count]]
 
 
-def _counts(told: pd.Series, words: Iterable[str]) -> dict[str, int]:
+def _counts(column: pd.Series, words: Iterable[str]) -> dict[str, int]:
     """How often each of some words stands in a column, those that do, in their order."""
-    found = told.value_counts()
-    return {str(word): int(found[word]) for word in words if word in found}
+    counts = column.value_counts()
+    return {str(word): int(counts[word]) for word in words if word in counts}
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -305,14 +305,14 @@ def quantiles(values: FloatArray) -> dict[float, float]:
 
 def other_leak_rates(designs: Designs) -> dict[str, FloatArray]:
     """Leak rates in the scenarios beside, as far as some design has them [m^3/s]."""
-    known = {
+    columns = {
         scenario: column for scenario in BESIDE if (column := leak_rate_column(scenario)) in designs.successes
     }
-    found = {
+    rates_of = {
         scenario: designs.successes[column].dropna().to_numpy(dtype=float)
-        for scenario, column in known.items()
+        for scenario, column in columns.items()
     }
-    return {scenario: rates for scenario, rates in found.items() if len(rates)}
+    return {scenario: rates for scenario, rates in rates_of.items() if len(rates)}
 
 
 def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
@@ -332,15 +332,15 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     ends = [name for name in _UPPER_ENDS if name in designs.successes]
     # without a number of its own an end is that of the leak rate
     leak_rate = designs.successes.loc[leak_rate.index, ends].max(axis=1)
-    claimed = ~designs.is_outside[leak_rate.index]
+    counts = ~designs.is_outside[leak_rate.index]
     limits = {
         # of what may not be seen: what nobody sees
         limit.name: limit.leak_rate or invisible_leak_rate(gas=seal["gas"])
         for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"])
         if limit.standard == designs.about["standard"]
     }
-    ordered = sorted(limits.items(), key=lambda item: item[1])
-    return [(name, most, float(((leak_rate <= most) & claimed).mean())) for name, most in ordered]
+    by_size = sorted(limits.items(), key=lambda item: item[1])
+    return [(name, limit, float(((leak_rate <= limit) & counts).mean())) for name, limit in by_size]
 
 
 @dataclass(frozen=True)
@@ -409,12 +409,12 @@ def sensitivities(designs: Designs) -> list[Sensitivity]:
     table = designs.table
     if len(table) != len(unit) or not (table["status"] == "done").all():
         return []
-    found = []
+    results = []
     for output in designs.outputs:
         values = table[output].to_numpy(dtype=float)
         if np.all(np.isfinite(values)) and np.ptp(values) > 0:
-            found.append(_sensitivity(design, names, unit, output, values))
-    return found
+            results.append(_sensitivity(design, names, unit, output, values))
+    return results
 
 
 def _sensitivity(
@@ -426,13 +426,13 @@ def _sensitivity(
     if design.kind == "morris":
         from SALib.analyze import morris
 
-        found = morris.analyze(problem, unit, y, num_levels=MORRIS_LEVELS, seed=design.seed)
+        analysis = morris.analyze(problem, unit, y, num_levels=MORRIS_LEVELS, seed=design.seed)
         keys: tuple[str | None, ...] = ("mu_star", "sigma", "mu_star_conf", None)
     else:
         from SALib.analyze import sobol
 
-        shown = (y - y.mean()) / y.std()
-        found = sobol.analyze(problem, shown, calc_second_order=False, seed=design.seed)
+        scores = (y - y.mean()) / y.std()
+        analysis = sobol.analyze(problem, scores, calc_second_order=False, seed=design.seed)
         keys = ("S1", "ST", "S1_conf", "ST_conf")
-    numbers = (np.zeros(len(names)) if key is None else np.asarray(found[key]) for key in keys)
+    numbers = (np.zeros(len(names)) if key is None else np.asarray(analysis[key]) for key in keys)
     return Sensitivity(output, logarithmic, design.kind, names, *numbers)

@@ -148,12 +148,12 @@ class Display:
     def hover(self, rows: pd.Index, names: Sequence[str]) -> list[str]:
         """What is shown of each design when pointed at: its number, some columns, what speaks against it."""
         columns = [[f"{self.label(name)}: {text}" for text in self.texts(rows, name)] for name in names]
-        violated = [f"violates {text}" if text else "" for text in self.designs.violations.loc[rows]]
+        violations = [f"violates {text}" if text else "" for text in self.designs.violations.loc[rows]]
         levels, reasons = self.designs.validity.loc[rows], self.designs.worst_reason.loc[rows]
         doubts = [f"{level}: {why}" if why else "" for level, why in zip(levels, reasons, strict=True)]
         return [
             "<br>".join(line.replace("<", "&lt;") for line in (f"design {n}", *lines) if line)
-            for n, *lines in zip(rows.tolist(), *columns, violated, doubts, strict=True)
+            for n, *lines in zip(rows.tolist(), *columns, violations, doubts, strict=True)
         ]
 
     def describe_best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
@@ -170,18 +170,18 @@ class Display:
         designs, about = self.designs, self.designs.about
         names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
         rows = designs.successes.loc[numbers].index
-        told = {self.label(name): self.texts(rows, name) for name in names}
+        texts = {self.label(name): self.texts(rows, name) for name in names}
         verdicts = designs.verdict.loc[numbers].tolist()
-        told |= {"verdict": verdicts} if any(verdicts) else {}
+        texts |= {"verdict": verdicts} if any(verdicts) else {}
         levels = designs.validity.loc[numbers].tolist()
-        return told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
+        return texts | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
 
     @cached_property
     def _words(self) -> dict[str, str]:
         """Parameters in words; by their path where two of them would be called the same."""
         words = {name: parameter_words(name) for name in self.designs.parameters}
-        taken = [*words.values(), *(COLUMNS[name].words for name in self.designs.about["responses"])]
-        return {name: name if taken.count(told) > 1 else told for name, told in words.items()}
+        labels = [*words.values(), *(COLUMNS[name].words for name in self.designs.about["responses"])]
+        return {name: name if labels.count(label) > 1 else label for name, label in words.items()}
 
     @cached_property
     def _parameters(self) -> dict[str, dict[str, Any]]:
@@ -217,8 +217,8 @@ class Display:
             return Unit(si, 1.0)
         # leak rates stand beside each other
         responses = self.designs.about["responses"]
-        names = [one for one in responses if COLUMNS[one].kind == kind == "flow"] or [name]
-        values = np.concatenate([self.numbers(one).to_numpy(dtype=float) for one in names])
+        names = [response for response in responses if COLUMNS[response].kind == kind == "flow"] or [name]
+        values = np.concatenate([self.numbers(response).to_numpy(dtype=float) for response in names])
         values = np.abs(values[np.isfinite(values)])
         return (
             shared_flow_unit(values.tolist())
@@ -280,12 +280,12 @@ def share_text(share: float) -> str:
 def spans_a_decade(values: FloatArray) -> bool:
     """Whether no number is negative and the largest is ten times the smallest above zero or more."""
     finite = values[np.isfinite(values)]
-    above = finite[finite > 0]
-    return bool(above.size and finite.min() >= 0 and above.max() > 10 * above.min())
+    positive = finite[finite > 0]
+    return bool(positive.size and finite.min() >= 0 and positive.max() > 10 * positive.min())
 
 
 # So much below the smallest number a zero stands on a logarithmic axis.
-_BELOW = 10**-0.5
+_ZERO_STEP = 10**-0.5
 
 
 def lift_zeros(values: FloatArray) -> FloatArray:
@@ -296,8 +296,8 @@ def lift_zeros(values: FloatArray) -> FloatArray:
     >>> lift_zeros(np.array([0.0, 1.0, 20.0])).round(2).tolist()
     [0.32, 1.0, 20.0]
     """
-    above = values[np.isfinite(values) & (values > 0)]
-    return np.where(values == 0, _BELOW * above.min(), values) if above.size else values
+    positive = values[np.isfinite(values) & (values > 0)]
+    return np.where(values == 0, _ZERO_STEP * positive.min(), values) if positive.size else values
 
 
 def _varies_by_factors(parameter: dict[str, Any]) -> bool:

@@ -78,8 +78,8 @@ class Part:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Columns and parameters in it."""
-        own = [self.what] if isinstance(self.what, str) else []
-        return tuple(dict.fromkeys([*own, *(name for one in self.parts for name in one.names)]))
+        name = [self.what] if isinstance(self.what, str) else []
+        return tuple(dict.fromkeys([*name, *(name for part in self.parts for name in part.names)]))
 
     def number(self, values: Mapping[str, float]) -> float:
         """Its value; NaN where it is not defined (division by zero, logarithm of a negative number) or not finite."""
@@ -190,26 +190,26 @@ class Constraint(_Formula):
 
     def violation(self, values: Mapping[str, float]) -> float:
         """How far it is from being met, relative to the larger side; zero or below where it is met."""
-        left, right = (side.number(values) for side in self.sides)
-        excess = left - right if self._holds in (operator.lt, operator.le) else right - left
-        scale = max(abs(left), abs(right))
+        first, second = (side.number(values) for side in self.sides)
+        excess = first - second if self._holds in (operator.lt, operator.le) else second - first
+        scale = max(abs(first), abs(second))
         if math.isnan(excess):
             return math.inf
         return excess / scale if scale > 0 else excess
 
 
-def unknown_name(name: str, known: list[str], what: str = "neither a column nor a parameter") -> str:
+def unknown_name(name: str, names: list[str], what: str = "neither a column nor a parameter") -> str:
     """What to say about a name that is none of those that are known."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"do you mean {near[0]}? " if near else ""
-    return f"uses {name}, which is {what}; {hint}known are {', '.join(known)}"
+    likely = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    hint = f"do you mean {likely[0]}? " if likely else ""
+    return f"uses {name}, which is {what}; {hint}known are {', '.join(names)}"
 
 
 def _part(node: ast.expr, depth: int = 0) -> Part:
     """A part of a formula, with all parts below it."""
     if depth > _DEEPEST:
         raise ExpressionError(f"is nested more than {_DEEPEST} deep")
-    inside: list[ast.expr] = []
+    operands: list[ast.expr] = []
     what: float | str | Callable[..., float]
     unit = None
     if isinstance(node, ast.Constant):
@@ -218,19 +218,19 @@ def _part(node: ast.expr, depth: int = 0) -> Part:
         name = _dotted_name(node)
         what = CONSTANTS.get(name, name)
     elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
-        what, inside = _OPERATORS[type(node.op)], [node.left, node.right]
+        what, operands = _OPERATORS[type(node.op)], [node.left, node.right]
     elif isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATORS:
-        what, inside = _OPERATORS[type(node.op)], [node.operand]
+        what, operands = _OPERATORS[type(node.op)], [node.operand]
     elif isinstance(node, ast.Call):
         if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS or node.keywords:
             raise ExpressionError(f"calls an unknown function; known are {', '.join(FUNCTIONS)}")
         if (len(node.args) < 2) if node.func.id in ("min", "max") else (len(node.args) != 1):
             raise ExpressionError(f"gives {node.func.id}() the wrong number of arguments")
-        what, inside = FUNCTIONS[node.func.id], node.args
+        what, operands = FUNCTIONS[node.func.id], node.args
     else:
         what = type(node).__name__.lower()
         raise ExpressionError(sentence("study_not_in_formulas", what=what, functions=", ".join(FUNCTIONS)))
-    part = Part(what, tuple(_part(one, depth + 1) for one in inside), unit)
+    part = Part(what, tuple(_part(operand, depth + 1) for operand in operands), unit)
     if not part.names and math.isnan(part.number({})):
         raise ExpressionError(f"holds {ast.unparse(node):.60}, which is no finite number")
     return part

@@ -22,7 +22,7 @@ from fem_seal.studies.worker_pool import Workers
 
 # Of its share of the memory a process may take this.
 _SHARE = 0.95
-_LOADED = ["fem_seal.studies.machine", "fem_seal.studies.responses"]
+_PRELOAD = ["fem_seal.studies.machine", "fem_seal.studies.responses"]
 
 
 class LocalWorkers(Workers):
@@ -46,9 +46,9 @@ class LocalWorkers(Workers):
         return list(self._processes)
 
     @contextmanager
-    def listen(self, put: Callable[[Any], None]) -> Iterator[None]:
+    def listen(self, report: Callable[[Any], None]) -> Iterator[None]:
         """See `Workers`."""
-        self._put = put
+        self._put = report
         yield
 
     def submit(self, worker: str | None, spec: DesignSpec, chunk: FloatArray) -> Future[list[Row]]:
@@ -63,7 +63,7 @@ class LocalWorkers(Workers):
                 return process.submit(function, *arguments)
         mine, theirs = Pipe()
         with closing(theirs):
-            process = Processes(1, _begin, theirs, memory=self._memory, loaded=_LOADED)
+            process = Processes(1, _begin, theirs, memory=self._memory, loaded=_PRELOAD)
             self._processes[worker] = process
             # starts it, and then it has its end of the connection
             future = process.submit(function, *arguments)

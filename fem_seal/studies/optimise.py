@@ -173,8 +173,8 @@ def _sampler(seed: int, number: int) -> TPESampler:
 def _rows(spec: DesignSpec, store: Store, pool: Pool, points: FloatArray) -> list[Row]:
     """Rows of some designs, calculated where they are not known."""
     keys = [spec.key(point) for point in points]
-    stored = store.stored_keys(keys)
-    fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in stored}
+    stored_keys = store.stored_keys(keys)
+    fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in stored_keys}
     for rows in pool.results(spec, [point[None] for point in fresh.values()]):
         check_unchanged(spec.files)
         store.write(rows)

@@ -92,9 +92,9 @@ def _headline(designs: designs_table.Designs, counts: dict[str, int]) -> str:
 def _doubts(designs: designs_table.Designs) -> Iterator[str]:
     """How many designs are outside the theory or doubtful, and what is wrong with the first of each."""
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
-        found = designs.worst_reason[designs.validity == str(level)]
-        if len(found):
-            yield _words().doubt(str(level), len(found), found.index[0], found.iloc[0].rstrip("."))
+        reasons = designs.worst_reason[designs.validity == str(level)]
+        if len(reasons):
+            yield _words().doubt(str(level), len(reasons), reasons.index[0], reasons.iloc[0].rstrip("."))
 
 
 _BEST = 20
@@ -132,8 +132,8 @@ def sections(designs: designs_table.Designs) -> Iterator[Section]:
     display = Display(designs)
     yield from _passing_section(display)
     # a batch of parts: nothing is looked for among them
-    looked_for = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
-    batch = designs.has_distribution and not looked_for
+    is_search = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
+    batch = designs.has_distribution and not is_search
     if batch:
         # how often it leaks how much is what such a study asks
         yield from _share_sections(display)
@@ -142,10 +142,10 @@ def sections(designs: designs_table.Designs) -> Iterator[Section]:
     if len(designs.successes) > plots.MOST_POINTS:
         part = f"{words.part(len(designs.successes), len(table))} "
     part += words.sealed(display.sealed_count)
-    missing = len(table) - len(plots.complete_rows(table, designs.informative_outputs))
-    parallel = words.parallel(part, missing)
-    sealed = f" {words.sealed(display.sealed_count)}".rstrip()
-    yield from _plot_section("Pareto front", f"{words.pareto()}{sealed}", plots.pareto_plot(display))
+    hidden_count = len(table) - len(plots.complete_rows(table, designs.informative_outputs))
+    parallel = words.parallel(part, hidden_count)
+    note = f" {words.sealed(display.sealed_count)}".rstrip()
+    yield from _plot_section("Pareto front", f"{words.pareto()}{note}", plots.pareto_plot(display))
     yield from _plot_section("Search", words.search(designs), plots.search_plot(display))
     line = share_text(designs.confidence) if designs_table.PASSES in designs.successes else ""
     yield from _plot_section("Map", words.crosses(designs, line), plots.map_plot(display))
@@ -177,12 +177,12 @@ def _html(figure: Figure) -> Any:
     from markupsafe import Markup
     from plotly.io import templates, to_html
 
-    drawn = figure.to_dict()
+    content = figure.to_dict()
     # as it is: set on a figure, plotly checks all of it anew, which takes longer than all else of the figure
-    drawn["layout"]["template"] = templates["plotly_white"].to_plotly_json()
+    content["layout"]["template"] = templates["plotly_white"].to_plotly_json()
     return Markup(
         to_html(
-            drawn,
+            content,
             full_html=False,
             include_plotlyjs=False,
             config={"displaylogo": False, "responsive": True},
@@ -216,13 +216,13 @@ def _passing_section(display: Display) -> Iterator[Section]:
     designs = display.designs
     if designs_table.PASSES not in designs.successes:
         return
-    likely = designs.successes[designs_table.PASSES].sort_values(ascending=False, kind="stable")
-    numbers = likely.index[:_MOST_ROWS].tolist()
-    note = _words().passing(passing_words(display), len(likely), len(numbers))
-    passing = int((likely >= designs.confidence).sum())
+    chances = designs.successes[designs_table.PASSES].sort_values(ascending=False, kind="stable")
+    numbers = chances.index[:_MOST_ROWS].tolist()
+    note = _words().passing(passing_words(display), len(chances), len(numbers))
+    count = int((chances >= designs.confidence).sum())
     table = _table_of("Designs that pass", note, numbers, display.describe(numbers))
     # without one that passes the likeliest
-    first = min(passing or _FEW_ROWS, len(numbers))
+    first = min(count or _FEW_ROWS, len(numbers))
     yield replace(table, first=first, summary=_words().others(len(numbers) - first))
 
 
@@ -231,17 +231,17 @@ def passing_words(display: Display) -> str:
     designs = display.designs
     if designs_table.PASSES not in designs.successes or designs.successes.empty:
         return ""
-    likely, limit = designs.successes[designs_table.PASSES], designs.limit
-    allowed = f" less than {format_quantity('flow', limit)}" if limit else ""
-    count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
-    outside = int((likely.isna() & designs.is_outside).sum()) == unknown
-    best, row = share_text(float(likely.max())), likely.nlargest(1).index
-    told = [
-        (display.title(one), *display.texts(row, one), display.unit(one).name) for one in designs.parameters
+    chances, limit = designs.successes[designs_table.PASSES], designs.limit
+    limits = f" less than {format_quantity('flow', limit)}" if limit else ""
+    count, unknown = int((chances >= designs.confidence).sum()), int(chances.isna().sum())
+    beyond_theory = int((chances.isna() & designs.is_outside).sum()) == unknown
+    best, row = share_text(float(chances.max())), chances.nlargest(1).index
+    inputs = [
+        (display.title(key), *display.texts(row, key), display.unit(key).name) for key in designs.parameters
     ]
-    which = ", ".join(" ".join(one).rstrip() for one in told)
+    which = ", ".join(" ".join(words).rstrip() for words in inputs)
     confidence = f"{100.0 * designs.confidence:g} %"
-    return str(_words().passed(count, len(likely), allowed, confidence, unknown, best, which, outside))
+    return str(_words().passed(count, len(chances), limits, confidence, unknown, best, which, beyond_theory))
 
 
 def edge_sentence(display: Display) -> str:
@@ -256,36 +256,36 @@ def left_out_sentence(designs: designs_table.Designs) -> str:
 
 def _sensitivity_sections(display: Display) -> Iterator[Section]:
     designs = display.designs
-    found = designs_table.sensitivities(designs)
-    if not found and designs.kind in SENSITIVITY:
+    indices = designs_table.sensitivities(designs)
+    if not indices and designs.kind in SENSITIVITY:
         yield Section("Sensitivity", _words().indices_missing())
-    for one in found:
-        if one.output in designs.informative_outputs:
-            yield _index_section(display, one)
+    for index in indices:
+        if index.output in designs.informative_outputs:
+            yield _index_section(display, index)
 
 
-def _index_section(display: Display, found: designs_table.Sensitivity) -> Section:
-    of, size, unit = plots.scale(display, found)
-    title, noise = display.title(found.output), found.noise.tolist()
-    if found.method == "morris":
-        note = _words().morris(of, found.logarithmic, title)
+def _index_section(display: Display, index: designs_table.Sensitivity) -> Section:
+    of, size, unit = plots.scale(display, index)
+    title, noise = display.title(index.output), index.noise.tolist()
+    if index.method == "morris":
+        note = _words().morris(of, index.logarithmic, title)
     else:
-        note = _words().sobol(of, found.logarithmic, any(noise))
-    words = own_tables(LOOKS)["sensitivity"][found.method]
+        note = _words().sobol(of, index.logarithmic, any(noise))
+    words = own_tables(LOOKS)["sensitivity"][index.method]
     headings = [heading.format(unit=unit) for heading in words["headings"]]
-    shown = (found.first, found.first_error, found.total, found.total_error)[: len(headings)]
-    columns = [_column(one / size, found.influence / size) for one in shown]
+    values = (index.first, index.first_error, index.total, index.total_error)[: len(headings)]
+    columns = [_column(column / size, index.influence / size) for column in values]
     columns[0] = [f"{text} (noise)" if bad else text for text, bad in zip(columns[0], noise, strict=True)]
-    if found.method == "morris" and found.logarithmic:
-        columns.append([f"× {short_number(one, 3)}" for one in np.exp(found.first).tolist()])
+    if index.method == "morris" and index.logarithmic:
+        columns.append([f"× {short_number(factor, 3)}" for factor in np.exp(index.first).tolist()])
         headings.append("mean effect as a factor")
-    rows = list(zip(map(display.title, found.parameters), *columns, strict=True))
+    rows = list(zip(map(display.title, index.parameters), *columns, strict=True))
     return Section(
         f"Sensitivity of {title}",
         note,
-        _html(plots.sensitivity_plot(display, found)),
+        _html(plots.sensitivity_plot(display, index)),
         ("parameter", *headings),
-        tuple(rows[n] for n in found.order),
+        tuple(rows[n] for n in index.order),
     )
 
 
@@ -299,25 +299,25 @@ def _distribution_section(display: Display) -> Iterator[Section]:
     if figure is None:
         return
     designs = display.designs
-    found = designs_table.quantiles(designs.successes[designs_table.LEAK_RATE].dropna().to_numpy())
+    by_share = designs_table.quantiles(designs.successes[designs_table.LEAK_RATE].dropna().to_numpy())
     seal = designs.about["seal"]
     leak_rate = f"leak rate{volumes_of_gas(seal.get('gas') and not seal.get('throughputs'))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
-    rates = tuple(found.values())
+    rates = tuple(by_share.values())
     rows: list[tuple[str, ...]] = [
         (f"{100 * share:g} %", leak_range_text(value, beside=rates), short_number(value))
-        for share, value in found.items()
+        for share, value in by_share.items()
     ]
-    other = ""
+    note = ""
     for name, others in designs_table.other_leak_rates(designs).items():
         headings += (SCENARIOS[name].title, "[m³/s]")
         ends = tuple(designs_table.quantiles(others).values())
         texts = [leak_range_text(end, beside=(*rates, *ends)) for end in ends]
         rows = [(*row, text, short_number(end)) for row, text, end in zip(rows, texts, ends, strict=True)]
-        other = phrase("interval.ends", "what")
+        note = phrase("interval.ends", "what")
     yield Section(
         "Distribution of the leak rate",
-        _words().distribution(_design_counts(designs), designs.has_distribution, other),
+        _words().distribution(_design_counts(designs), designs.has_distribution, note),
         _html(figure),
         headings,
         tuple(rows),
@@ -332,14 +332,14 @@ def _class_section(designs: designs_table.Designs) -> Iterator[Section]:
         "Leakage classes",
         _words().classes(designs.about, _design_counts(designs), bool(shares), both),
         columns=("class", "allowed leak rate", "share of the designs"),
-        rows=tuple((name, leak_rate_text(most), f"{100 * share:.4g} %") for name, most, share in shares),
+        rows=tuple((name, leak_rate_text(limit), f"{100 * share:.4g} %") for name, limit, share in shares),
     )
 
 
 def _design_counts(designs: designs_table.Designs) -> tuple[int, int, int]:
     """Designs that shares are shares of, those that failed, and those of the former outside the theory."""
-    calculated = int(designs.successes[designs_table.LEAK_RATE].notna().sum())
-    return calculated, len(designs.table) - len(designs.successes), int(designs.is_outside.sum())
+    count = int(designs.successes[designs_table.LEAK_RATE].notna().sum())
+    return count, len(designs.table) - len(designs.successes), int(designs.is_outside.sum())
 
 
 def _columns(display: Display) -> Section:

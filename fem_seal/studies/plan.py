@@ -60,7 +60,7 @@ class StudyPlan:
     """What is minimised: the goals of the optimisation, or of the report; large ones with a minus sign."""
     responses: tuple[str, ...]
     """Columns of leak.csv that are calculated."""
-    beside: tuple[str, ...]
+    companions: tuple[str, ...]
     """Those of them that only stand beside others: no plot and no index is theirs."""
     case: Case
     """The base case with the study's changes."""
@@ -94,11 +94,11 @@ class StudyPlan:
 
 
 # Columns of the study's own table.
-RESERVED = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons", "verdict")
+RESERVED_NAMES = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons", "verdict")
 
 
 def read_formulas(
-    study: StudyPlan, given: Mapping[str, str], responses: Sequence[str]
+    study: StudyPlan, texts: Mapping[str, str], responses: Sequence[str]
 ) -> dict[str, Expression]:
     """Derived columns; each may use those above it.
 
@@ -107,58 +107,58 @@ def read_formulas(
     InputError
     """
     _check_responses(study, responses)
-    taken = [*study.names, *LEAK_COLUMNS, *RESERVED]
-    found: dict[str, Expression] = {}
-    for name, text in given.items():
+    names = [*study.names, *LEAK_COLUMNS, *RESERVED_NAMES]
+    formulas: dict[str, Expression] = {}
+    for name, text in texts.items():
         key = f"derived.{name}"
-        _check_name(key, name, taken)
-        found[name] = _formula(Expression, key, text, list(found), study)
-        taken.append(name)
-    return found
+        _check_name(key, name, names)
+        formulas[name] = _formula(Expression, key, text, list(formulas), study)
+        names.append(name)
+    return formulas
 
 
-def read_constraints(study: StudyPlan, given: Mapping[str, str]) -> dict[str, Constraint]:
+def read_constraints(study: StudyPlan, texts: Mapping[str, str]) -> dict[str, Constraint]:
     """Constraints over all columns.
 
     Raises
     ------
     InputError
     """
-    found: dict[str, Constraint] = {}
-    for name, text in given.items():
+    constraints: dict[str, Constraint] = {}
+    for name, text in texts.items():
         key = f"constraints.{name}"
-        _check_name(key, name, [*study.names, *LEAK_COLUMNS, *RESERVED, *study.derived])
-        found[name] = _formula(Constraint, key, text, study.derived, study)
-        _check_units(key, found[name], study)
-    return found
+        _check_name(key, name, [*study.names, *LEAK_COLUMNS, *RESERVED_NAMES, *study.derived])
+        constraints[name] = _formula(Constraint, key, text, study.derived, study)
+        _check_units(key, constraints[name], study)
+    return constraints
 
 
-def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
+def read_goals(study: StudyPlan, tables: StudyTables) -> dict[str, Expression]:
     """What is to be small, by its label; what is to be large counts with a minus sign.
 
     Raises
     ------
     InputError
     """
-    if read.optimise is None:
-        wanted = [(f"report.goals.{name}", name, way == "max") for name, way in read.report.goals.items()]
+    if tables.optimise is None:
+        requests = [(f"report.goals.{name}", name, way == "max") for name, way in tables.report.goals.items()]
     else:
-        wanted = [
+        requests = [
             (f"optimise.{key}", text, key == "maximise")
             for key in ("minimise", "maximise")
-            for text in _texts(getattr(read.optimise, key))
+            for text in _texts(getattr(tables.optimise, key))
         ]
-        if not wanted:
+        if not requests:
             raise InputError(problem("study_goal_missing"))
-    if len(wanted) > 2:
-        raise InputError.at(wanted[2][0], "is a third goal; allowed are one or two")
+    if len(requests) > 2:
+        raise InputError.at(requests[2][0], "is a third goal; allowed are one or two")
     goals: dict[str, Expression] = {}
     settings = study.case.uncertainty
-    for key, given, large in wanted:
+    for key, words, large in requests:
         # of seals that show the readings of a leak test the inputs as given are none
-        tested = settings is not None and settings.posterior is not None
-        text = in_full(given, [*study.names, *study.derived])
-        text = re.sub(rf"\b{_LEAK_RATE}\b", _MEDIAN, text) if tested else text
+        has_posterior = settings is not None and settings.posterior is not None
+        text = in_full(words, [*study.names, *study.derived])
+        text = re.sub(rf"\b{_LEAK_RATE}\b", _MEDIAN, text) if has_posterior else text
         formula = _formula(Expression, key, text, study.derived, study)
         if formula.text in goals:
             raise InputError.at(key, "is a goal already; remove one of them", show(text))
@@ -167,12 +167,12 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
 
 
 # Where scenarios stand beside, a leak rate never stands without theirs.
-_LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", tuple(map(leak_rate_column, BESIDE))
+_LEAK_RATE, _COMPANIONS = "leak_rate_m3_per_s", tuple(map(leak_rate_column, BESIDE))
 # The verdict is a word, which stands in the table of the designs wherever its number does.
 _VERDICT, _MARGIN = "verdict", "margin"
 # Columns that stay empty where none does, and those that uncertain inputs fill all the same.
 _OF_YIELDING = (*map(leak_rate_column, IN_INTERVAL), *map(force_column, BESIDE))
-_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+_ENDS = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 _MEDIAN = "leak_rate_p50_m3_per_s"
 # Columns that are above zero and at most one.
 _SHARES = ("pass_probability", "batch_share_p05")
@@ -191,14 +191,14 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[st
 
     Asked for are responses and what formulas need; the others are shown beside them and not studied themselves.
     """
-    asked = set(responses)
+    requests = set(responses)
     for formula in (*study.derived.values(), *study.constraints.values(), *study.goals.values()):
-        asked.update(formula.names)
-    beside = {_MARGIN} if _VERDICT in asked else set()
-    if _LEAK_RATE in asked and not _missing_scenario(study):
-        beside.update(_BESIDE)
-    needed = tuple(name for name in LEAK_COLUMNS if name in asked | beside)
-    return needed, tuple(name for name in needed if name not in asked)
+        requests.update(formula.names)
+    companions = {_MARGIN} if _VERDICT in requests else set()
+    if _LEAK_RATE in requests and not _missing_scenario(study):
+        companions.update(_COMPANIONS)
+    columns = tuple(name for name in LEAK_COLUMNS if name in requests | companions)
+    return columns, tuple(name for name in columns if name not in requests)
 
 
 def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:
@@ -223,11 +223,11 @@ def _formula(kind: type[F], key: str, text: str, derived: Iterable[str], study: 
         formula = kind(in_full(text, [*study.names, *derived]))
     except ExpressionError as error:
         raise InputError.at(key, str(error), show(text)) from None
-    known = [*study.names, *LEAK_COLUMNS, *derived]
+    columns = [*study.names, *LEAK_COLUMNS, *derived]
     for name in formula.names:
-        if name not in known:
-            raise InputError.at(key, unknown_name(name, known), show(text))
-        words = [one for one in study.parameters if one.name == name and not one.numeric]
+        if name not in columns:
+            raise InputError.at(key, unknown_name(name, columns), show(text))
+        words = [p for p in study.parameters if p.name == name and not p.numeric]
         if words:
             raise InputError.at(key, f"calculates with {name}, which holds words", show(text))
         _check_possible(key, name, study)
@@ -237,16 +237,16 @@ def _formula(kind: type[F], key: str, text: str, derived: Iterable[str], study: 
 def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
     """Two quantities that are compared as they are have to be of one kind."""
     units = {name: column.unit for name, column in COLUMNS.items()}
-    units |= {one.name: one.entry.unit for one in study.parameters}
-    left, right = (side.unit_of(units) for side in constraint.sides)
-    if None not in (left, right) and left != right:
-        kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
+    units |= {p.name: p.entry.unit for p in study.parameters}
+    first, last = (side.unit_of(units) for side in constraint.sides)
+    if None not in (first, last) and first != last:
+        kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (first, last))
         raise InputError.at(key, f"compares {kinds}", show(constraint.text))
-    for share, other in (constraint.sides, constraint.sides[::-1]):
-        if share.what in _SHARES and not other.names and other.number({}) > 1.0:
+    for share, bound in (constraint.sides, constraint.sides[::-1]):
+        if share.what in _SHARES and not bound.names and bound.number({}) > 1.0:
             raise InputError.at(
                 key,
-                f"compares {share.what}, a share of at most 1, with {other.number({}):g}; write 0.95 for 95 %",
+                f"compares {share.what}, a share of at most 1, with {bound.number({}):g}; write 0.95 for 95 %",
                 show(constraint.text),
             )
 
@@ -257,30 +257,30 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     for table in () if column is None else column.needs:
         if getattr(study.case, table) is None:
             raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
-    missing = _missing_scenario(study)
+    setting = _missing_scenario(study)
     if name == _MEDIAN and study.case.sampled is None:
         raise InputError.at(key, f"{name} needs a table [uncertainty] in the base case")
-    told = name in _SAMPLED and (study.case.sampled is not None or study.case.leak.theory == "corrected")
-    if name in (*_OF_YIELDING, *_SAMPLED) and missing and not told:
-        also = ', leak.theory = "corrected" or a table [uncertainty]' if name in _SAMPLED else ""
-        raise InputError.at(key, f"{name} needs {missing}{also} in the base case")
+    has_interval = name in _ENDS and (study.case.sampled is not None or study.case.leak.theory == "corrected")
+    if name in (*_OF_YIELDING, *_ENDS) and setting and not has_interval:
+        option = ', leak.theory = "corrected" or a table [uncertainty]' if name in _ENDS else ""
+        raise InputError.at(key, f"{name} needs {setting}{option} in the base case")
 
 
-def _check_name(key: str, name: str, taken: Sequence[str]) -> None:
+def _check_name(key: str, name: str, names: Sequence[str]) -> None:
     if not name.isidentifier() or not name.isascii():
         raise InputError.at(key, "must be a word of letters, digits and underscores")
-    if name.lower() in [one.lower() for one in taken]:
+    if name.lower() in [column.lower() for column in names]:
         raise InputError.at(key, "is the name of another column; choose another one")
 
 
 # So many designs are built as cases before the study starts; of larger studies the extreme ones and a sample.
-_CHECKED = 300
+_SAMPLE = 300
 
 
 def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
     """InputError if an entry is changed and varied."""
-    changed = {same_entry(path) for path in changes}
-    twice = [path for path in paths if same_entry(path) in changed]
+    entries = {same_entry(path) for path in changes}
+    twice = [path for path in paths if same_entry(path) in entries]
     if twice:
         raise InputError(problem("study_changed_and_varied", key=twice[0]))
 
@@ -291,8 +291,8 @@ def check_load(case: Case, paths: Collection[str]) -> None:
     several = {}
     force_count = len(forces) if isinstance(forces, tuple) else 1
     # a single pressure stands there once for each force
-    repeated = force_count > 1 and len(set(pressures)) == 1
-    if len(pressures) > 1 and not repeated and "load.fluid_pressure" not in paths:
+    is_repeated = force_count > 1 and len(set(pressures)) == 1
+    if len(pressures) > 1 and not is_repeated and "load.fluid_pressure" not in paths:
         several['"load.fluid_pressure" = "10 bar"'] = f"{len(pressures)} fluid pressures"
     if force_count > 1 and "load.applied_force" not in paths:
         several['"load.applied_force" = "0 N"'] = f"{force_count} applied forces"
@@ -346,13 +346,13 @@ def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
 
 def check_kept(study: StudyPlan) -> None:
     """InputError if the designs whose complete results are wanted cannot exist."""
-    wanted = study.run_settings.keep_fields
-    if wanted == "best" and not study.goals:
-        raise InputError(problem("study_best_without_goal", wanted=show(wanted)))
-    if isinstance(wanted, str):
+    choice = study.run_settings.keep_fields
+    if choice == "best" and not study.goals:
+        raise InputError(problem("study_best_without_goal", wanted=show(choice)))
+    if isinstance(choice, str):
         return
     count = study.optimise.trials if study.optimise else len(study.points)
-    for number in wanted:
+    for number in choice:
         if not 0 <= number < count:
             raise InputError(problem("study_no_such_design", last=count - 1, number=number))
 
@@ -366,8 +366,8 @@ def check_designs(study: StudyPlan) -> None:
         try:
             study.case_of(point)
         except InputError as error:
-            found, listed = error.problems[0], design_text(study.parameters, point)
-            words = problem("study_invalid_design", number=number, listed=listed, found=found)
+            fault, text = error.problems[0], design_text(study.parameters, point)
+            words = problem("study_invalid_design", number=number, listed=text, found=fault)
             raise InputError(words) from None
 
 
@@ -375,15 +375,15 @@ def _extreme_designs(study: StudyPlan) -> Iterator[int]:
     """Designs that are built before the study starts: all of a small one, else extremes, corners and a sample."""
     points = study.points
     count = len(points)
-    if count <= _CHECKED:
+    if count <= _SAMPLE:
         yield from range(count)
         return
     span = np.ptp(points, axis=0)
     place = (points - points.min(axis=0)) / np.where(span > 0, span, 1.0)
-    chosen = {*place.argmin(axis=0).tolist(), *place.argmax(axis=0).tolist()}
+    numbers = {*place.argmin(axis=0).tolist(), *place.argmax(axis=0).tolist()}
     dimensions = min(place.shape[1], 6)
     for corner in np.ndindex(*([2] * dimensions)):
         signs = 2.0 * np.array(corner) - 1.0
-        chosen.add(int(np.argmax(place[:, :dimensions] @ signs)))
-    chosen.update(np.linspace(0, count - 1, _CHECKED // 2).astype(int).tolist())
-    yield from sorted(chosen)
+        numbers.add(int(np.argmax(place[:, :dimensions] @ signs)))
+    numbers.update(np.linspace(0, count - 1, _SAMPLE // 2).astype(int).tolist())
+    yield from sorted(numbers)

@@ -76,17 +76,17 @@ def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[st
 
 def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
     """Lines at what may leak, and at how often the requirement is to be kept, across a plot of these columns."""
-    found = []
-    for side, across, name in (("x", "y", x), ("y", "x", y)):
+    lines = []
+    for side, other, name in (("x", "y", x), ("y", "x", y)):
         of_leak = name.startswith("leak_rate") and name.endswith("_m3_per_s")
         limit = (
             display.designs.limit if of_leak else display.designs.asked_confidence if name == PASSES else None
         )
         if limit is not None:
             at = float(display.convert(name, limit))
-            ends = {f"{across}0": 0, f"{across}1": 1, f"{side}0": at, f"{side}1": at}
-            found.append({"type": "line", "line": _LINE, f"{across}ref": "paper", **ends})
-    return found
+            ends = {f"{other}0": 0, f"{other}1": 1, f"{side}0": at, f"{side}1": at}
+            lines.append({"type": "line", "line": _LINE, f"{other}ref": "paper", **ends})
+    return lines
 
 
 def _groups(designs: Designs, rows: pd.Index) -> list[tuple[str, pd.Index, str]]:
@@ -107,9 +107,9 @@ def response_plot(display: Display) -> Figure | None:
     outputs = [name for name in designs.outputs if designs.successes[name].notna().any()]
     if not len(rows) or not outputs:
         return None
-    across, up, groups = designs.parameters[0], _main_output(outputs), _groups(designs, rows)
+    x, y, groups = designs.parameters[0], _main_output(outputs), _groups(designs, rows)
     # numbers as they are: what is drawn of a sealed design is a place, no leak rate
-    told = [*designs.parameters, *outputs[:FEW]]
+    details = [*designs.parameters, *outputs[:FEW]]
 
     def menu(side: str, names: list[str], **place: Any) -> dict[str, Any]:
         buttons = [
@@ -127,17 +127,17 @@ def response_plot(display: Display) -> Figure | None:
         return {"buttons": buttons, "y": 1.2, **place}
 
     traces = [
-        _trace(look, **_points(display, group, across, up, told), name=name) for name, group, look in groups
+        _trace(look, **_points(display, group, x, y, details), name=name) for name, group, look in groups
     ]
     return _figure(
-        [{**one, "type": "scattergl", "hoverinfo": "text"} for one in traces],
+        [{**trace, "type": "scattergl", "hoverinfo": "text"} for trace in traces],
         "responses",
-        xaxis=display.axis(across),
-        yaxis=display.axis(up),
+        xaxis=display.axis(x),
+        yaxis=display.axis(y),
         showlegend=designs.has_ineligible,
-        shapes=_lines(display, y=up),
+        shapes=_lines(display, y=y),
         updatemenus=[
-            menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(up)),
+            menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(y)),
             menu("x", designs.parameters, x=1.0, xanchor="right"),
         ],
     )
@@ -155,28 +155,28 @@ def map_plot(display: Display) -> Figure | None:
         return None
     values = display.convert(output, table)
     logarithmic = spans_a_decade(values)
-    shown = np.log10(lift_zeros(values)) if logarithmic else values
+    z = np.log10(lift_zeros(values)) if logarithmic else values
     bar: dict[str, Any] = {"title": {"text": display.label(output), "side": "right"}}
     steps: dict[str, float] = {}
     if logarithmic:
-        ticks = np.linspace(np.nanmin(shown), np.nanmax(shown), 9)
+        ticks = np.linspace(np.nanmin(z), np.nanmax(z), 9)
         bar |= {"tickvals": ticks.tolist(), "ticktext": _ticks(10**ticks, values)}
         steps = {"start": float(ticks[1]), "end": float(ticks[-2]), "size": float(ticks[1] - ticks[0])}
     contour = _trace(
         "map",
         x=display.convert(names[0], table.columns).tolist(),
         y=display.convert(names[1], table.index).tolist(),
-        z=_replace_nan(shown),
+        z=_replace_nan(z),
         customdata=_replace_nan(values),
         colorbar=bar,
         contours=steps,
     )
     # a usual surface within the limit says little where it is known how often all of them keep it
-    likely = PASSES in designs.successes
-    of_line = grid.pivot(index=names[1], columns=names[0], values=PASSES).to_numpy() if likely else shown
-    levels = [one["y0"] for one in _lines(display, y=output)]
-    levels = [designs.confidence] if likely else [math.log10(one) if logarithmic else one for one in levels]
-    allowed = [
+    chances = PASSES in designs.successes
+    of_line = grid.pivot(index=names[1], columns=names[0], values=PASSES).to_numpy() if chances else z
+    levels = [line["y0"] for line in _lines(display, y=output)]
+    levels = [designs.confidence] if chances else [math.log10(y) if logarithmic else y for y in levels]
+    limits = [
         {
             **contour,
             "z": _replace_nan(of_line),
@@ -193,7 +193,7 @@ def map_plot(display: Display) -> Figure | None:
         if look == "not_counting"
     ]
     return _figure(
-        [contour, *allowed, *crosses], "map", xaxis=display.axis(names[0]), yaxis=display.axis(names[1])
+        [contour, *limits, *crosses], "map", xaxis=display.axis(names[0]), yaxis=display.axis(names[1])
     )
 
 
@@ -207,12 +207,12 @@ def parallel_plot(display: Display) -> Figure | None:
     if len(rows) < 2 or len(inputs) + len(outputs) < 2:
         return None
     dimensions = [_dimension(display, rows, name) for name in [*inputs, *outputs]]
-    coloured = dimensions[len(inputs) + outputs.index(_main_output(outputs))] if outputs else dimensions[0]
+    main = dimensions[len(inputs) + outputs.index(_main_output(outputs))] if outputs else dimensions[0]
     meets = designs.eligible.loc[rows].to_numpy()
     if designs.has_ineligible:
         label = "counts" if designs.left_out else "meets the constraints"
         dimensions.append(_words_axis(label, ["no", "yes"], meets.astype(int).tolist()))
-    lines = _trace("parallel", dimensions=dimensions, line=_colours(coloured, meets))
+    lines = _trace("parallel", dimensions=dimensions, line=_colours(main, meets))
     return _figure([lines], "parallel")
 
 
@@ -234,26 +234,26 @@ def _words_axis(label: str, words: list[str], values: list[int]) -> dict[str, An
 
 def _ticks(numbers: ArrayLike, values: ArrayLike) -> list[str]:
     """Texts of ticks: the lowest is zero where that is the smallest value."""
-    texts = [short_number(one, 3) for one in np.asarray(numbers, dtype=float).tolist()]
+    texts = [short_number(number, 3) for number in np.asarray(numbers, dtype=float).tolist()]
     return ["0", *texts[1:]] if np.nanmin(np.asarray(values, dtype=float)) == 0 else texts
 
 
 def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
     """One axis of parallel coordinates: words, or numbers or their logarithms with a few ticks."""
-    shown = display.axis_values(rows, name)
-    if isinstance(shown[0], str):
+    places = display.axis_values(rows, name)
+    if isinstance(places[0], str):
         # the description of a study lists the first words of very many only
-        words = list(dict.fromkeys([*display.levels(name), *shown]))
-        return _words_axis(display.label(name), words, [words.index(word) for word in shown])
-    scaled = np.log10 if display.logarithmic(name) else np.asarray
-    values = scaled(np.array(shown, dtype=float))
+        words = list(dict.fromkeys([*display.levels(name), *places]))
+        return _words_axis(display.label(name), words, [words.index(word) for word in places])
+    scale = np.log10 if display.logarithmic(name) else np.asarray
+    values = scale(np.array(places, dtype=float))
     ticks = np.linspace(values.min(), values.max(), 6)
     numbers = (10**ticks if display.logarithmic(name) else ticks).tolist()
-    own = scaled(np.array(sorted(set(shown))))
+    places_once = scale(np.array(sorted(set(places))))
     # as far apart as their texts are high
-    apart = np.diff(own).min(initial=np.inf) >= 0.05 * np.ptp(own)
-    if name in display.designs.parameters and len(own) <= FEW and apart:
-        numbers, ticks = sorted(set(shown)), own
+    has_room = np.diff(places_once).min(initial=np.inf) >= 0.05 * np.ptp(places_once)
+    if name in display.designs.parameters and len(places_once) <= FEW and has_room:
+        numbers, ticks = sorted(set(places)), places_once
     return {
         "label": display.label(name),
         "values": values.tolist(),
@@ -311,9 +311,9 @@ def pareto_plot(display: Display) -> Figure | None:
         "others": thin_designs(goals[~on_front]).index,
         "front": goals[on_front].sort_values(names).index,
     }
-    told = [*names, *display.designs.parameters]
+    details = [*names, *display.designs.parameters]
     traces = [
-        _trace(look, **_points(display, rows, names[0], names[1], told)) for look, rows in groups.items()
+        _trace(look, **_points(display, rows, names[0], names[1], details)) for look, rows in groups.items()
     ]
     axes = {"xaxis": display.axis(names[0]), "yaxis": display.axis(names[1])}
     return _figure(traces, "pareto", shapes=_lines(display, *names), **axes)
@@ -358,15 +358,15 @@ def search_plot(display: Display) -> Figure | None:
 
 def distribution_plot(display: Display) -> Figure | None:
     """How often which leak rate occurs, and the share of the designs that leak less."""
-    done = display.designs.successes
-    if LEAK_RATE not in done or done[LEAK_RATE].dropna().empty:
+    rows_done = display.designs.successes
+    if LEAK_RATE not in rows_done or rows_done[LEAK_RATE].dropna().empty:
         return None
-    leak_rate = np.sort(display.axis_values(done[LEAK_RATE].dropna().index, LEAK_RATE))
+    leak_rate = np.sort(display.axis_values(rows_done[LEAK_RATE].dropna().index, LEAK_RATE))
     step = max(1, len(leak_rate) // 1000)
 
     def cumulative_shares(values: FloatArray) -> dict[str, Any]:
-        picked = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
-        return {"x": values[picked].tolist(), "y": ((picked + 1) / len(values)).tolist()}
+        numbers = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
+        return {"x": values[numbers].tolist(), "y": ((numbers + 1) / len(values)).tolist()}
 
     logarithmic = display.logarithmic(LEAK_RATE)
     bins = min(max(int(np.sqrt(len(leak_rate))), 5), 40)
@@ -395,10 +395,10 @@ def distribution_plot(display: Display) -> Figure | None:
     return _figure([bars, curve, *others], "distribution", xaxis=axis, shapes=_lines(display, x=LEAK_RATE))
 
 
-def sensitivity_plot(display: Display, found: Sensitivity) -> Figure:
+def sensitivity_plot(display: Display, indices: Sensitivity) -> Figure:
     """Bars of both indices of every parameter, the one that matters most above."""
-    of, size, unit = scale(display, found)
-    words, places = own_tables(LOOKS)["sensitivity"][found.method], found.order
+    of, size, unit = scale(display, indices)
+    words, places = own_tables(LOOKS)["sensitivity"][indices.method], indices.order
 
     def bars(look: str, name: str, values: FloatArray, errors: FloatArray) -> dict[str, Any]:
         ends = {
@@ -406,28 +406,28 @@ def sensitivity_plot(display: Display, found: Sensitivity) -> Figure:
             "array": (errors[places] / size).tolist(),
             "visible": bool((errors > 0).any()),
         }
-        titles = [display.title(found.parameters[n]) for n in places]
+        titles = [display.title(indices.parameters[n]) for n in places]
         return _trace(look, y=titles, x=(values[places] / size).tolist(), name=name, error_x=ends)
 
     return _figure(
         [
-            bars("first_index", words["bars"][0], found.first, found.first_error),
-            bars("second_index", words["bars"][1], found.total, found.total_error),
+            bars("first_index", words["bars"][0], indices.first, indices.first_error),
+            bars("second_index", words["bars"][1], indices.total, indices.total_error),
         ],
         "sensitivity",
-        height=170 + 55 * len(found.parameters),
+        height=170 + 55 * len(indices.parameters),
         xaxis={"title": {"text": words["axis"].format(of=of, unit=unit)}},
     )
 
 
-def scale(display: Display, found: Sensitivity) -> tuple[str, float, str]:
+def scale(display: Display, indices: Sensitivity) -> tuple[str, float, str]:
     """What was analysed in words, the size of its unit, and the unit in brackets; indices and logarithms have none."""
-    title = display.title(found.output)
-    if found.logarithmic:
+    title = display.title(indices.output)
+    if indices.logarithmic:
         return f"ln({title})", 1.0, ""
-    if found.method != "morris":
+    if indices.method != "morris":
         return title, 1.0, ""
-    unit = display.unit(found.output)
+    unit = display.unit(indices.output)
     return title, unit.size, f" [{unit.name}]" if unit.name else ""
 
 
@@ -448,12 +448,12 @@ def _picture(designs: Designs) -> str:
     display = Display(designs)
     x, y = designs.parameters[0], designs.outputs[0]
     rows = designs.successes.index
-    counted = designs.eligible.loc[rows].to_numpy()
+    counts = designs.eligible.loc[rows].to_numpy()
     with style():
         figure = Figure(figsize=(5.5, 3.5), layout="constrained")
         axes = figure.add_subplot()
         axes.grid(True)
-        for which, colour in ((~counted, GREY), (counted, BLUE)):
+        for which, colour in ((~counts, GREY), (counts, BLUE)):
             if which.any():
                 axes.scatter(
                     display.axis_values(rows[which], x), display.axis_values(rows[which], y), s=14, c=colour
@@ -462,8 +462,8 @@ def _picture(designs: Designs) -> str:
         for name, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
             if display.logarithmic(name):
                 scale("log")
-        drawn = BytesIO()
-        figure.savefig(drawn, format="png", dpi=110)
+        image = BytesIO()
+        figure.savefig(image, format="png", dpi=110)
     alt = f"{display.label(y)} over {display.label(x)}, one dot for each design"
-    data = base64.b64encode(drawn.getvalue()).decode("ascii")
+    data = base64.b64encode(image.getvalue()).decode("ascii")
     return f'<img src="data:image/png;base64,{data}" alt="{escape(alt)}" style="max-width: 100%">'

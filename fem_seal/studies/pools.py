@@ -97,8 +97,8 @@ def open_pool(
     elif client is not None:
         yield cluster.cluster_pool(client, retries, note)
     elif scheduler is not None:
-        with cluster.connect_client(scheduler) as own:
-            yield cluster.cluster_pool(own, retries, note)
+        with cluster.connect_client(scheduler) as new_client:
+            yield cluster.cluster_pool(new_client, retries, note)
     elif workers == 0:
         yield OwnProcess(note, stuck)
     else:

@@ -74,9 +74,9 @@ class Lines(Progress):
 
     def _state(self) -> str:
         rate = self.rate
-        left = duration((self.total - self.done) / rate) if rate > 0 else "unknown time"
-        failed = f", {self.failed} failed" if self.failed else ""
-        return f"{self.done} of {self.total} designs{failed}, {rate:.3g}/s, {left} left"
+        time_left = duration((self.total - self.done) / rate) if rate > 0 else "unknown time"
+        failures = f", {self.failed} failed" if self.failed else ""
+        return f"{self.done} of {self.total} designs{failures}, {rate:.3g}/s, {time_left} left"
 
 
 class Bar(Progress):

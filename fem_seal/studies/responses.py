@@ -39,20 +39,20 @@ from fem_seal.seal.heating import warmed
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
-from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASSING, is_of_bolts, is_target
+from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASS_COLUMNS, is_of_bolts, is_target
 from fem_seal.validity.checks import validity_of
 from leak import LeakError
 from meshes import GeometryError, MeshingError
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
-_BESIDE = {"margin", *PASSING, *map(leak_rate_column, BESIDE)}
+_OF_SCENARIOS = {"margin", *PASS_COLUMNS, *map(leak_rate_column, BESIDE)}
 _OWN_CONTACTS = {leak_rate_column(name) for name, words in SCENARIOS.items() if words.own_contact}
 # What keeps one response from being calculated; the others of its design have nothing to do with it.
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ArithmeticError)
 Load = TypeVar("Load", bound=CaseLoad)
 Value = TypeVar("Value")
-Other = TypeVar("Other")
+Default = TypeVar("Default")
 _FOR_VERDICT = (
     *(ACCURACY, OPENING, TARGET, BOLTS, FINDINGS, UNCERTAINTY, PASS_PROBABILITY, VERDICT_FORCE, VERDICT),
 )
@@ -103,10 +103,10 @@ def evaluate_design(case: Case, columns: Sequence[str], *, interpolate: bool = T
     ConvergenceError, GeometryError, MeshingError
     """
     batch = Batch()
-    found = evaluate_designs(batch, {0: case}, columns, interpolate=interpolate)
+    results = evaluate_designs(batch, {0: case}, columns, interpolate=interpolate)
     for error in batch.failed.values():
         raise error
-    return found[0]
+    return results[0]
 
 
 def evaluate_designs(
@@ -128,21 +128,21 @@ def evaluate_designs(
     cases = batch.each(cases, lambda number: warmed(cases[number]))
     sources = {n: _source(case, columns, interpolate) for n, case in cases.items()}
     problems = batch.each(cases, lambda number: SealProblem.of(cases[number]))
-    solved = evaluate_many(problems, sources, batch)
-    loads = batch.each(solved, lambda number: _add_answers(solved[number], cases[number], columns))
+    evaluations = evaluate_many(problems, sources, batch)
+    loads = batch.each(evaluations, lambda number: _add_answers(evaluations[number], cases[number], columns))
     # for the checks alone the table would take too long
-    passing, both = not PASSING.isdisjoint(columns), not _BESIDE.isdisjoint(columns)
-    leaks = passing or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
+    with_chance, with_scenarios = not PASS_COLUMNS.isdisjoint(columns), not _OF_SCENARIOS.isdisjoint(columns)
+    leaks = with_chance or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
-        for step in _leaks(other=both):
+        for step in _leaks(with_scenarios=with_scenarios):
             batch.each(loads, lambda number: _calculate_or_default(lambda: step(loads[number]), None))  # noqa: B023
-    told = batch.each(
+    loads_judged = batch.each(
         loads,
         lambda n: _check_validity(
-            solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate
+            evaluations[n], loads[n], cases[n], columns, leaks=leaks, interpolate=interpolate
         ),
     )
-    return batch.each(told, lambda number: _result(told[number], columns))
+    return batch.each(loads_judged, lambda number: _result(loads_judged[number], columns))
 
 
 def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
@@ -154,7 +154,7 @@ def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     return _SOURCES[stress, interpolate]
 
 
-def _add_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> CaseLoad:
+def _add_answers(evaluation: Evaluation, case: Case, columns: Sequence[str]) -> CaseLoad:
     """The only load of a design with the answers that its columns need."""
     answers: list[Answer[Any]] = [OPENING]
     if any(map(is_target, columns)):
@@ -163,59 +163,59 @@ def _add_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> CaseL
         answers.append(BOLTS)
     if not _OWN_CONTACTS.isdisjoint(columns):
         answers.append(OWN_CONTACTS)
-    if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
+    if evaluation.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
-    return answered(solved_seal(found, case), Request(found.solver, SILENT), answers).loads[0]
+    return answered(solved_seal(evaluation, case), Request(evaluation.solver, SILENT), answers).loads[0]
 
 
 def _check_validity(
-    found: Evaluation,
+    evaluation: Evaluation,
     load: CaseLoad,
     case: Case,
     columns: Sequence[str],
     *,
     leaks: bool,
-    interpolated: bool,
+    interpolate: bool,
 ) -> CaseLoad:
     """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
-    sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
-    passing = not PASSING.isdisjoint(columns)
-    usual_only = leaks and not (sampled or passing)
-    by_table = partial(validity_of, by_table=leaks and interpolated)
-    judged_by = partial(load.validity_by, partial(by_table, usual_only=usual_only), found)
-    load = load.with_values(validity=_calculate_or_default(judged_by, NOT_JUDGED))
-    known = True
-    if sampled:
-        request, seal = Request(found.solver, SILENT), solved_seal(found, case).with_loads([load])
+    with_samples = case.sampled is not None and not INTERVAL.isdisjoint(columns)
+    with_chance = not PASS_COLUMNS.isdisjoint(columns)
+    usual_only = leaks and not (with_samples or with_chance)
+    by_table = partial(validity_of, by_table=leaks and interpolate)
+    judge = partial(load.validity_by, partial(by_table, usual_only=usual_only), evaluation)
+    load = load.with_values(validity=_calculate_or_default(judge, NOT_JUDGED))
+    has_interval = True
+    if with_samples:
+        request, seal = Request(evaluation.solver, SILENT), solved_seal(evaluation, case).with_loads([load])
         (load,) = answered(seal, request, [UNCERTAINTY]).loads
-        known = UNCERTAINTY.of(request.answers) is not None
-        if not known:
-            judged_by = partial(load.validity_by, partial(by_table, usual_only=True), found)
-            load = load.with_values(validity=_calculate_or_default(judged_by, NOT_JUDGED))
+        has_interval = UNCERTAINTY.of(request.answers) is not None
+        if not has_interval:
+            judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluation)
+            load = load.with_values(validity=_calculate_or_default(judge, NOT_JUDGED))
     judgement = (
-        _calculate_or_default(partial(load_verdict, case, load, sampled=known), None)
+        _calculate_or_default(partial(load_verdict, case, load, sampled=has_interval), None)
         if "margin" in columns
         else None
     )
-    likely: PassProbability | None = None
-    if passing:
+    chance: PassProbability | None = None
+    if with_chance:
         try:
-            (likely,) = pass_probabilities(solved_seal(found, case).with_loads([load]))
+            (chance,) = pass_probabilities(solved_seal(evaluation, case).with_loads([load]))
         except _FAILURES as error:
-            if PASSING.issuperset(columns):
+            if PASS_COLUMNS.issuperset(columns):
                 raise
             load = _drop_column("pass_probability", error, load)
-    return load.with_values(judgement=judgement, passing=likely)
+    return load.with_values(judgement=judgement, passing=chance)
 
 
 def _drop_column(column: str, error: Exception, load: Load) -> Load:
     """A load of which one column could not be calculated."""
-    told = f"{column} could not be calculated: {error_text(error)}"
-    cautions = (*load.validity.cautions, Finding("not calculated", Level.DOUBTFUL, told, told))
+    remark = f"{column} could not be calculated: {error_text(error)}"
+    cautions = (*load.validity.cautions, Finding("not calculated", Level.DOUBTFUL, remark, remark))
     return load.with_values(validity=Validity.of(cautions))
 
 
-def _calculate_or_default(calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+def _calculate_or_default(calculate: Callable[[], Value], otherwise: Default) -> Value | Default:
     """What `calculate` gives or, where that cannot be calculated, `otherwise`."""
     with suppress(*_FAILURES):
         return calculate()
@@ -231,32 +231,32 @@ def _validity(load: CaseLoad, columns: Sequence[str]) -> Validity:
     return Validity.of(cautions)
 
 
-def _leaks(*, other: bool) -> Iterator[Callable[[CaseLoad], object]]:
+def _leaks(*, with_scenarios: bool) -> Iterator[Callable[[CaseLoad], object]]:
     """Leak rate of a load, and those of the scenarios beside, each kind of work by itself."""
 
     def all_scenarios(load: CaseLoad) -> tuple[CaseLoad, ...]:
-        return (load, *(load.others.values() if other else ()))
+        return (load, *(load.others.values() if with_scenarios else ()))
 
-    yield lambda load: [one.rough and one.rough.table for one in all_scenarios(load)]
-    yield lambda load: [one.contact for one in load.profiles]
-    yield lambda load: [one.contact.panels for one in load.profiles]
-    yield lambda load: [one.leak for one in all_scenarios(load)]
+    yield lambda load: [scenario.rough and scenario.rough.table for scenario in all_scenarios(load)]
+    yield lambda load: [profile_load.contact for profile_load in load.profiles]
+    yield lambda load: [profile_load.contact.panels for profile_load in load.profiles]
+    yield lambda load: [scenario.leak for scenario in all_scenarios(load)]
 
 
 def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
-    found, failed = dict[str, float](), list[Exception]()
+    rates, errors = dict[str, float](), list[Exception]()
     for column in columns:
         try:
-            found[column] = COLUMNS[column].number(load)
+            rates[column] = COLUMNS[column].number(load)
         except _FAILURES as error:
-            found[column] = math.nan
-            failed.append(error)
+            rates[column] = math.nan
+            errors.append(error)
             load = _drop_column(column, error, load)
-    if failed and all(map(math.isnan, found.values())):
-        raise failed[0]
-    if "margin" in found:
-        found["margin"] = min(found["margin"], LARGEST_MARGIN)
-    return DesignResult(found, _validity(load, columns), load.verdict)
+    if errors and all(map(math.isnan, rates.values())):
+        raise errors[0]
+    if "margin" in rates:
+        rates["margin"] = min(rates["margin"], LARGEST_MARGIN)
+    return DesignResult(rates, _validity(load, columns), load.verdict)
 
 
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:

@@ -81,8 +81,8 @@ class StudyResult:
     @property
     def designs(self) -> Designs:
         """The designs with the evaluation of the study, as its file has them now."""
-        found: Designs = self._read(Designs.read)
-        return found
+        rows: Designs = self._read(Designs.read)
+        return rows
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -198,9 +198,9 @@ def dataset(designs: Designs) -> xr.Dataset:
     else:
         data = xr.Dataset.from_dataframe(table)
         data = data.set_coords(parameters)
-    for one in designs.about["parameters"]:
-        if one["unit"] and one["name"] in data:
-            data[one["name"]].attrs["units"] = one["unit"]
+    for parameter in designs.about["parameters"]:
+        if parameter["unit"] and parameter["name"] in data:
+            data[parameter["name"]].attrs["units"] = parameter["unit"]
     for name in designs.about["responses"]:
         # a plain number has the unit 1 in the conventions of netCDF
         data[name].attrs["units"] = COLUMNS[name].unit or "1"

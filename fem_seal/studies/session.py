@@ -24,7 +24,7 @@ from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create, open_to_read
 from fem_seal.studies.time_limit import OvertimeError, end_after, overtime_reason
 from fem_seal.studies.work import DesignSpec, check_unchanged, chunks
-from fem_seal.studies.worker_pool import KEPT, Workers
+from fem_seal.studies.worker_pool import RESUME_HINT, Workers
 from fem_seal.units import duration
 from fem_seal.version import __version__
 
@@ -82,14 +82,14 @@ def run_study(
     if not resume and (place / FILE).exists():
         raise InputError(problem("study_there_already", place=place))
     progress = progress or Progress()
-    started = time.perf_counter()
+    start = time.perf_counter()
 
     def record_stuck(row: Row | None) -> None:
         # from another thread, while this one's connection waits for the design
         if row is not None:
             with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
                 store.write([row])
-        progress.note(phrase("studies.notes", "stuck", kept=KEPT))
+        progress.note(phrase("studies.notes", "stuck", kept=RESUME_HINT))
         progress.end()
         leave()
 
@@ -107,13 +107,13 @@ def run_study(
                 if retry_failed:
                     store.forget_failures()
                 _calculate(study, store, ready, progress)
-                store.describe(last_run_seconds=time.perf_counter() - started)
+                store.describe(last_run_seconds=time.perf_counter() - start)
                 _keep_fields(study, store, place, progress, lambda: record_stuck(None))
     except BaseException as error:
         if temporary:
             shutil.rmtree(place, ignore_errors=True)
         elif isinstance(error, KeyboardInterrupt):
-            progress.note(f"interrupted; {KEPT}")
+            progress.note(f"interrupted; {RESUME_HINT}")
         raise
     return StudyResult(place, temporary=temporary)
 
@@ -124,17 +124,17 @@ def _move_former_results(study: StudyPlan, path: Path, progress: Progress) -> No
         return
     with closing(open_to_read(path)) as store:
         about = store.about
-    gone = set(about.get("beside", ())) - set(study.beside)
-    left = [name for name in about.get("responses", ()) if name not in gone]
-    if not gone or left != list(study.responses):
+    former = set(about.get("beside", ())) - set(study.companions)
+    responses = [name for name in about.get("responses", ()) if name not in former]
+    if not former or responses != list(study.responses):
         return
-    aside = path.with_name(f"{path.stem}_paper{path.suffix}")
-    if aside.exists():
+    new_path = path.with_name(f"{path.stem}_paper{path.suffix}")
+    if new_path.exists():
         return  # nothing is written over; that the columns differ is said next
     for end in ("", "-wal", "-shm"):
         if (part := path.with_name(path.name + end)).exists():
-            part.replace(aside.with_name(aside.name + end))
-    progress.note(phrase("studies.notes", "set_aside", name=aside.name))
+            part.replace(new_path.with_name(new_path.name + end))
+    progress.note(phrase("studies.notes", "set_aside", name=new_path.name))
 
 
 def _calculate(study: StudyPlan, store: Store, pool: Pool, progress: Progress) -> None:
@@ -153,15 +153,15 @@ def _calculate(study: StudyPlan, store: Store, pool: Pool, progress: Progress) -
 
 def _fill(spec: DesignSpec, store: Store, pool: Pool, study: StudyPlan, progress: Progress) -> None:
     counts = store.counts()
-    done = len(study.points) - counts["open"]
-    expected = counts["open"] * design_seconds(spec.case, spec.columns)
-    if expected > _WORTH_TELLING:
-        each, left = duration(expected / counts["open"]), duration(expected)
-        progress.note(phrase("studies.notes", "expected", each=each, all=left))
-    progress.begin(len(study.points), done)
+    count = len(study.points) - counts["open"]
+    seconds = counts["open"] * design_seconds(spec.case, spec.columns)
+    if seconds > _WORTH_TELLING:
+        each, whole = duration(seconds / counts["open"]), duration(seconds)
+        progress.note(phrase("studies.notes", "expected", each=each, all=whole))
+    progress.begin(len(study.points), count)
     todo = chunks(spec, study.points)
     try:
-        for rows in pool.results(spec, _missing_chunks(spec, store, todo) if done else todo):
+        for rows in pool.results(spec, _missing_chunks(spec, store, todo) if count else todo):
             check_unchanged(spec.files)
             store.write(rows)
             progress.advance(len(rows), sum(row.reason is not None for row in rows))
@@ -173,10 +173,10 @@ def _missing_chunks(spec: DesignSpec, store: Store, all_chunks: Iterable[FloatAr
     """Chunks without the designs that have a row already."""
     for chunk in all_chunks:
         keys = [spec.key(point) for point in chunk]
-        stored = store.stored_keys(keys)
-        missing = [n for n, key in enumerate(keys) if key not in stored]
-        if missing:
-            yield chunk[missing]
+        stored_keys = store.stored_keys(keys)
+        open_numbers = [n for n, key in enumerate(keys) if key not in stored_keys]
+        if open_numbers:
+            yield chunk[open_numbers]
 
 
 def _column_types(study: StudyPlan) -> dict[str, str]:
@@ -190,7 +190,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
     """What a reader of the file has to know about the columns; in JSON's types."""
     from fem_seal.answers.leakage_class import nominal_size
 
-    case, required = study.case, study.case.requirement
+    case, requirement = study.case, study.case.requirement
     return {
         "format_version": FORMAT_VERSION,
         "version": __version__,
@@ -210,7 +210,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
             for parameter in study.parameters
         ],
         "responses": list(study.responses),
-        "beside": list(study.beside),
+        "beside": list(study.companions),
         "derived": {name: formula.text for name, formula in study.derived.items()},
         "constraints": {name: constraint.text for name, constraint in study.constraints.items()},
         "goals": {name: formula.text for name, formula in study.goals.items()},
@@ -227,7 +227,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
             else [case.display_units[2].name, case.display_units[2].size],
             "fluid": case.fluid.name if case.fluid else None,
             # limits of classes depend on the design
-            "limit_m3_per_s": None if required is None or required.standard else required.leak_rate,
+            "limit_m3_per_s": None if requirement is None or requirement.standard else requirement.leak_rate,
         },
     }
 
@@ -236,13 +236,13 @@ def _keep_fields(
     study: StudyPlan, store: Store, folder: Path, progress: Progress, stuck: Callable[[], None]
 ) -> None:
     """Complete results of chosen designs, unless they are there already."""
-    wanted = study.run_settings.keep_fields
-    if wanted == "none":
+    choice = study.run_settings.keep_fields
+    if choice == "none":
         return
     from fem_seal.result import run
     from fem_seal.studies.designs_table import Designs
 
-    numbers = Designs.read(store).best(1) if wanted == "best" else list(wanted)
+    numbers = Designs.read(store).best(1) if choice == "best" else list(choice)
     for number in numbers:
         key, place = store.key(number), folder / "designs" / f"{number:06d}"
         if key is None:

@@ -48,10 +48,10 @@ DONE, FAILED = "done", "failed"
 TRUTH = "BOOLEAN"
 # Columns of a row besides parameters and outputs.
 ABOUT_ROW = ("key", "status", "reason", "seconds")
-TOLD = ("validity", "validity_reasons", "verdict")
+JUDGEMENT = ("validity", "validity_reasons", "verdict")
 # Files that were looked through by this process, by device and inode: in which state, and their columns.
 _Columns = tuple[tuple[str, ...], tuple[str, ...]]
-_looked_through: dict[tuple[int, int], tuple[object, _Columns]] = {}
+_checked_files: dict[tuple[int, int], tuple[object, _Columns]] = {}
 
 
 @dataclass(frozen=True)
@@ -146,10 +146,10 @@ class Store:
         """OutputError if the file is no longer where it was opened: what is written then is lost."""
         try:
             status = self.path.stat()
-            there = (status.st_dev, status.st_ino) == self._file
+            is_there = (status.st_dev, status.st_ino) == self._file
         except OSError:
-            there = False
-        if not there:
+            is_there = False
+        if not is_there:
             raise OutputError(sentence("study_file_moved", path=self.path))
 
     def _describe(self, entries: Mapping[str, Any]) -> None:
@@ -183,20 +183,20 @@ class Store:
 
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
-        columns = self._query_columns("key", "reason", "seconds", *TOLD)
-        found, split = {}, len(self.inputs)
+        columns = self._query_columns("key", "reason", "seconds", *JUDGEMENT)
+        row_of, count = {}, len(self.inputs)
         for key, reason, seconds, level, why, verdict, *values in self._select(columns, keys):
             inputs = tuple(
                 bool(value) if truth else value
-                for value, truth in zip(values[:split], self._truths, strict=True)
+                for value, truth in zip(values[:count], self._truths, strict=True)
             )
-            found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds, level, why, verdict)
-        return found
+            row_of[key] = Row(key, inputs, tuple(values[count:]), reason, seconds, level, why, verdict)
+        return row_of
 
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows, all of them or - if the process dies - none."""
-        about = attrgetter(*ABOUT_ROW, *TOLD)
-        columns = (*ABOUT_ROW, *TOLD, *map(quote_column, self.inputs), *map(quote_column, self.outputs))
+        about = attrgetter(*ABOUT_ROW, *JUDGEMENT)
+        columns = (*ABOUT_ROW, *JUDGEMENT, *map(quote_column, self.inputs), *map(quote_column, self.outputs))
         values = [(*about(row), *row.inputs, *row.outputs) for row in rows]
         insert = f"INSERT OR IGNORE INTO point ({', '.join(columns)}) VALUES ({','.join('?' * len(columns))})"
         with self._transaction():
@@ -210,8 +210,8 @@ class Store:
     def key(self, number: int) -> str | None:
         """Key of a design that was calculated without failure, None of any other."""
         query = "SELECT key FROM design JOIN point USING (key) WHERE number = ? AND status = ?"
-        found = self._connection.execute(query, (number, DONE)).fetchone()
-        return None if found is None else str(found[0])
+        row = self._connection.execute(query, (number, DONE)).fetchone()
+        return None if row is None else str(row[0])
 
     @property
     def size(self) -> int:
@@ -223,13 +223,13 @@ class Store:
         query = "SELECT COALESCE(point.status, 'open'), COUNT(*) FROM design LEFT JOIN point USING (key) GROUP BY 1"
         return {DONE: 0, FAILED: 0, "open": 0, **dict(self._connection.execute(query).fetchall())}
 
-    def reasons(self, most: int = 5) -> list[tuple[str, int]]:
+    def reasons(self, limit: int = 5) -> list[tuple[str, int]]:
         """Commonest reasons of failure and how often they occur."""
         query = (
             "SELECT reason, COUNT(*) FROM design JOIN point USING (key) WHERE status = 'failed' GROUP BY reason "
             "ORDER BY 2 DESC LIMIT ?"
         )
-        return self._connection.execute(query, (most,)).fetchall()
+        return self._connection.execute(query, (limit,)).fetchall()
 
     def solve_seconds(self) -> float:
         """Time spent on the designs, summed over all workers."""
@@ -239,7 +239,7 @@ class Store:
         """Designs that have a row, in the order of the study: number, status, reason, validity, parameters, outputs."""
         import pandas as pd
 
-        columns = self._query_columns("number", "status", "reason", *TOLD)
+        columns = self._query_columns("number", "status", "reason", *JUDGEMENT)
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
@@ -251,8 +251,8 @@ class Store:
 
     def _query_columns(self, *first: str) -> str:
         """Columns of a query: the first ones, then parameters and outputs."""
-        named = map(quote_column, (*self.inputs, *self.outputs))
-        return ", ".join([*first, *named])
+        names = map(quote_column, (*self.inputs, *self.outputs))
+        return ", ".join([*first, *names])
 
     def close(self) -> None:
         """Fold the write-ahead log into the file and close it."""
@@ -282,9 +282,9 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
         connection = _connect(path, "mode=rwc")
         _check_pages(connection, path)
         _lay_out(connection, inputs, outputs)
-        there = list(_columns(connection))
-        if there != [*inputs, *outputs]:
-            raise InputError(problem("study_other_columns", path=path, columns=", ".join(there)))
+        names = list(_columns(connection))
+        if names != [*inputs, *outputs]:
+            raise InputError(problem("study_other_columns", path=path, columns=", ".join(names)))
         if any(connection.execute("SELECT 1 FROM about UNION ALL SELECT 1 FROM point LIMIT 1")):
             _check_contents(connection, path)
     except BaseException as error:
@@ -308,12 +308,12 @@ def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs:
         connection.execute(
             "CREATE TABLE IF NOT EXISTS design (number INTEGER PRIMARY KEY, key TEXT NOT NULL)"
         )
-        listed = [f"{name} TEXT" for name in TOLD]
-        listed += [f"{quote_column(name)} {kind}" for name, kind in inputs.items()]
-        listed += [f"{quote_column(name)} REAL" for name in outputs]
+        definitions = [f"{name} TEXT" for name in JUDGEMENT]
+        definitions += [f"{quote_column(name)} {kind}" for name, kind in inputs.items()]
+        definitions += [f"{quote_column(name)} REAL" for name in outputs]
         connection.execute(
             "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
-            f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
+            f"seconds REAL NOT NULL, {', '.join(definitions)}) WITHOUT ROWID"
         )
 
 
@@ -362,45 +362,45 @@ def _open_connection(path: Path) -> sqlite3.Connection:
     with TemporaryDirectory(prefix="fem-seal-study-") as place:
         for file in (path, log):
             shutil.copyfile(file, Path(place) / file.name)
-        with closing(_connect(Path(place) / path.name, "mode=rw")) as copied:
+        with closing(_connect(Path(place) / path.name, "mode=rw")) as copy:
             connection = sqlite3.connect(":memory:")
-            copied.backup(connection)
+            copy.backup(connection)
     return connection
 
 
 def _check_cached(connection: sqlite3.Connection, path: Path) -> _Columns:
     """Parameters and outputs of a file, which is looked through once for each of its states."""
     file, state = _state(path)
-    before, columns = _looked_through.get(file, (None, ((), ())))
-    if before != state:
+    last_state, columns = _checked_files.get(file, (None, ((), ())))
+    if last_state != state:
         _check_pages(connection, path)
         columns = _check_contents(connection, path)
-        _looked_through[file] = state, columns
+        _checked_files[file] = state, columns
     return columns
 
 
 def _state(path: Path) -> tuple[tuple[int, int], object]:
     """Device and inode of a file, and what changes when it or its write-ahead log is written."""
     try:
-        own = path.stat()
+        status = path.stat()
         logs = [log.stat() for log in (path.with_name(f"{path.name}-wal"),) if log.exists()]
     except OSError:
         # a log that ends meanwhile: unlike any other state
         return (0, 0), object()
     # a reader makes an empty log, too
-    written = [own, *(log for log in logs if log.st_size)]
-    state = [(one.st_dev, one.st_ino, one.st_mtime_ns, one.st_size) for one in written]
-    return (own.st_dev, own.st_ino), state
+    statuses = [status, *(log for log in logs if log.st_size)]
+    state = [(each.st_dev, each.st_ino, each.st_mtime_ns, each.st_size) for each in statuses]
+    return (status.st_dev, status.st_ino), state
 
 
 def _check_pages(connection: sqlite3.Connection, path: Path) -> None:
     """InputError if the file is damaged inside, where reading would come to it sooner or later."""
     try:
-        ((found, *_), *_) = connection.execute("PRAGMA integrity_check(1)")
+        ((answer, *_), *_) = connection.execute("PRAGMA integrity_check(1)")
     except sqlite3.Error as error:
         raise damage_error(path, error) from None
-    if found != "ok":
-        raise damage_error(path, found)
+    if answer != "ok":
+        raise damage_error(path, answer)
 
 
 def _check_contents(connection: sqlite3.Connection, path: Path) -> _Columns:
@@ -441,8 +441,8 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:
     """Columns of parameters and outputs, with their types."""
-    listed = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
-    return {name: kind for name, kind in listed.items() if name not in (*ABOUT_ROW, *TOLD)}
+    kinds = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
+    return {name: kind for name, kind in kinds.items() if name not in (*ABOUT_ROW, *JUDGEMENT)}
 
 
 _Finite = Annotated[float, Field(ge=-_LARGEST_READ, le=_LARGEST_READ)]
@@ -465,9 +465,9 @@ class _Parameter(_Facts):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.numeric:
-            numbers = [one for one in self.levels if isinstance(one, float)]
+            numbers = [n for n in self.levels if isinstance(n, float)]
             low, high = self.bounds
-            if len(numbers) < len(self.levels) or not all(low <= one <= high for one in (*numbers, low)):
+            if len(numbers) < len(self.levels) or not all(low <= n <= high for n in (*numbers, low)):
                 raise ValueError("its levels are not within its bounds")
         return self
 
@@ -530,23 +530,23 @@ def check_about(about: Mapping[str, Any], columns: Sequence[str]) -> None:
         Parameters and outputs of the rows.
     """
     try:
-        told = _About(**about)
-        if told.design.kind in SENSITIVITY and not told.design.optimise:
+        study = _About(**about)
+        if study.design.kind in SENSITIVITY and not study.design.optimise:
             Design(**{key: value for key, value in about["design"].items() if key != "optimise"})
         formulas: list[Expression | Constraint] = [
-            Expression(text) for text in (*told.derived.values(), *told.goals.values())
+            Expression(text) for text in (*study.derived.values(), *study.goals.values())
         ]
-        formulas += [Constraint(text) for text in told.constraints.values()]
+        formulas += [Constraint(text) for text in study.constraints.values()]
     except ValidationError as error:
         place = ".".join(map(str, error.errors(include_url=False)[0]["loc"]))
         raise StoredError(f"{place or 'design'} of the study is not what a study writes there") from None
     except ValueError as error:
         raise StoredError(f"a formula of the study cannot be read: {error}") from None
-    names = [one.name for one in told.parameters]
-    if names != told.inputs or [*names, *told.responses, *told.derived] != list(columns):
+    names = [parameter.name for parameter in study.parameters]
+    if names != study.inputs or [*names, *study.responses, *study.derived] != list(columns):
         raise StoredError("its columns are not those of the study")
-    unknown = [name for name in told.responses if name not in COLUMNS]
-    unknown += [name for one in formulas for name in one.names if name not in columns]
+    unknown = [name for name in study.responses if name not in COLUMNS]
+    unknown += [name for formula in formulas for name in formula.names if name not in columns]
     if unknown:
         raise StoredError(f"there is no column {unknown[0]}")
 
@@ -562,13 +562,13 @@ def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs:
     inputs : int
         So many first ones of them are parameters.
     """
-    texts = ["key", "status", "reason", *TOLD]
+    texts = ["key", "status", "reason", *JUDGEMENT]
     texts += [name for name, kind in list(kinds.items())[:inputs] if kind == "TEXT"]
     conditions = list(_violated_conditions(kinds, inputs))
-    missed = ", ".join(f"MAX(NOT ({one}))" for one in conditions)
-    for one, found in zip(conditions, *connection.execute(f"SELECT {missed} FROM point"), strict=True):
-        if found:
-            raise StoredError(f"a row holds what no study writes, not {one}")
+    tests = ", ".join(f"MAX(NOT ({condition}))" for condition in conditions)
+    for condition, fails in zip(conditions, *connection.execute(f"SELECT {tests} FROM point"), strict=True):
+        if fails:
+            raise StoredError(f"a row holds what no study writes, not {condition}")
     # read once, because only reading shows what is no text
     for query in (
         f"SELECT {', '.join(map(quote_column, texts))} FROM point",
@@ -587,8 +587,8 @@ def _violated_conditions(kinds: Mapping[str, str], inputs: int) -> Iterator[str]
     yield f"(status = '{DONE}' AND reason IS NULL) OR (status = '{FAILED}' AND typeof(reason) = 'text')"
     yield f"{_number('seconds')} AND seconds >= 0"
     for name, words in (("validity", [*Level]), ("verdict", [*Verdict])):
-        listed = ", ".join(f"'{word}'" for word in words)
-        yield f"{name} IS NULL OR {name} IN ({listed})"
+        texts = ", ".join(f"'{word}'" for word in words)
+        yield f"{name} IS NULL OR {name} IN ({texts})"
     yield "typeof(validity_reasons) IN ('null', 'text')"
     for place, (name, kind) in enumerate(kinds.items()):
         column = quote_column(name)

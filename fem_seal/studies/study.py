@@ -92,45 +92,45 @@ class Study(plan.StudyPlan):
         name = (
             base if isinstance(base, str) else str(base.file or "") if isinstance(base, Case) else str(base)
         )
-        read = _read_tables({**tables, "base": name})
+        settings = _read_tables({**tables, "base": name})
         self.file = file
         case = base if isinstance(base, Case) else load_case(folder / base)
-        changes = with_files(read.changes, lambda named: str(folder / named))
-        case = _change_case(case, changes, read.parameters)
+        changes = with_files(settings.changes, lambda name: str(folder / name))
+        case = _change_case(case, changes, settings.parameters)
         self.written = dict(tables)
-        self.title = read.title or (file.stem if file else case.title)
-        self.design = read.design
-        self.run_settings = read.run
-        self.report = read.report
-        self.keeps_outside = read.outside_theory == "keep"
-        self.optimise = read.optimise
-        self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
+        self.title = settings.title or (file.stem if file else case.title)
+        self.design = settings.design
+        self.run_settings = settings.run
+        self.report = settings.report
+        self.keeps_outside = settings.outside_theory == "keep"
+        self.optimise = settings.optimise
+        self._read_points(with_open_materials(case, list(settings.parameters)), settings, folder)
         self.files = contents_of_files(self.case, self.parameters)
-        responses = list(map(in_full, read.responses))
-        self.derived = plan.read_formulas(self, read.derived, responses)
-        self.constraints = plan.read_constraints(self, read.constraints)
-        self.goals = plan.read_goals(self, read)
-        self.responses, self.beside = plan.needed_columns(self, responses)
+        responses = list(map(in_full, settings.responses))
+        self.derived = plan.read_formulas(self, settings.derived, responses)
+        self.constraints = plan.read_constraints(self, settings.constraints)
+        self.goals = plan.read_goals(self, settings)
+        self.responses, self.companions = plan.needed_columns(self, responses)
         plan.check_kept(self)
         plan.check_designs(self)
 
-    def _read_points(self, case: Case, read: StudyTables, folder: Path) -> None:
+    def _read_points(self, case: Case, settings: StudyTables, folder: Path) -> None:
         self.case = case
-        design = read.design
+        design = settings.design
         if design.kind == "list":
-            if read.parameters or read.optimise:
-                key = "parameters" if read.parameters else "optimise"
+            if settings.parameters or settings.optimise:
+                key = "parameters" if settings.parameters else "optimise"
                 raise InputError(problem("study_list_and_parameters", key=key))
             if design.file is None:
                 raise InputError(problem("study_list_without_file"))
             self.case, self.parameters, self.points = designs.read_list(folder / design.file, case)
             self.parameters = tuple(_resolve_files(parameter, folder) for parameter in self.parameters)
         else:
-            self.parameters = _read_parameters(case, read.parameters, folder)
-            plan.check_design(design, self.parameters, read.optimise is not None)
-            nothing = np.empty((0, len(self.parameters)))
-            self.points = nothing if read.optimise else designs.points(design, self.parameters)
-        plan.check_changes(read.changes, self.names)
+            self.parameters = _read_parameters(case, settings.parameters, folder)
+            plan.check_design(design, self.parameters, settings.optimise is not None)
+            no_points = np.empty((0, len(self.parameters)))
+            self.points = no_points if settings.optimise else designs.points(design, self.parameters)
+        plan.check_changes(settings.changes, self.names)
         plan.check_load(self.case, self.names)
 
     def run(
@@ -212,24 +212,24 @@ def load_study(path: str | Path) -> Study:
 
 
 def _base_and_tables(
-    given: Mapping[str, Any], tables: Mapping[str, Any]
+    source: Mapping[str, Any], tables: Mapping[str, Any]
 ) -> tuple[Case | str | Path, dict[str, Any]]:
     """The case and the tables of a study that is a dict, or of one whose case is."""
-    if "base" not in given:
-        return Case(**given), dict(tables)
+    if "base" not in source:
+        return Case(**source), dict(tables)
     if tables:
         raise InputError(problem("study_beside_whole", key=next(iter(tables))))
-    base, own = given["base"], {key: value for key, value in given.items() if key != "base"}
-    return (Case(**base) if isinstance(base, Mapping) else base), own
+    base, rest = source["base"], {key: value for key, value in source.items() if key != "base"}
+    return (Case(**base) if isinstance(base, Mapping) else base), rest
 
 
 def _read_tables(tables: dict[str, Any]) -> StudyTables:
-    given = {
+    flat_tables = {
         name: _flatten_paths(value, name) if name in ("changes", "parameters") else value
         for name, value in tables.items()
     }
     try:
-        return StudyTables(**{name: _as_tuple(value) for name, value in given.items()})
+        return StudyTables(**{name: _as_tuple(value) for name, value in flat_tables.items()})
     except ValidationError as error:
         raise InputError(*problems(error, StudyTables)) from None
 
@@ -247,11 +247,11 @@ def _flatten_paths(table: Any, heading: str) -> Any:
         return table
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        nested = {key: value}
+        entries = {key: value}
         if isinstance(value, dict) and value and not set(value) & {"start", "stop", "num", "distribution"}:
-            below = _flatten_paths(value, f"{heading}.{key}")
-            nested = {f"{key}.{name}": entry for name, entry in below.items()}
-        for path, entry in nested.items():
+            subpaths = _flatten_paths(value, f"{heading}.{key}")
+            entries = {f"{key}.{name}": entry for name, entry in subpaths.items()}
+        for path, entry in entries.items():
             if path in flat:
                 raise InputError.at(f"{heading}.{path}", "stands there twice; remove one of them")
             flat[path] = entry
@@ -266,40 +266,40 @@ def _change_case(case: Case, changes: Mapping[str, Any], parameters: Mapping[str
         return with_open_materials(case, list(changes)).replace_written(changes)
     except InputError as error:
         for end in (0, -1):
-            varied = {path: _ends(given)[end] for path, given in parameters.items()}
+            values = {path: _ends(range_of)[end] for path, range_of in parameters.items()}
             with suppress(InputError):
-                return with_open_materials(case, [*changes, *varied]).replace_written({**changes, **varied})
+                return with_open_materials(case, [*changes, *values]).replace_written({**changes, **values})
         raise InputError.at(f"changes.{error.key}", error.message, error.value) from None
 
 
-def _ends(given: Any) -> tuple[Any, Any]:
+def _ends(entry: Any) -> tuple[Any, Any]:
     """First and last value of a parameter as it was given."""
-    if isinstance(given, Mapping):
-        first, last = ("start", "low", "mean", "median"), ("stop", "high", "mean", "median")
+    if isinstance(entry, Mapping):
+        starts, stops = ("start", "low", "mean", "median"), ("stop", "high", "mean", "median")
         start, stop = (
-            next((given[name] for name in names if name in given), None) for names in (first, last)
+            next((entry[name] for name in names if name in entry), None) for names in (starts, stops)
         )
         return start, stop
-    if isinstance(given, (list, tuple)):
-        return (given[0], given[-1]) if given else (None, None)
+    if isinstance(entry, (list, tuple)):
+        return (entry[0], entry[-1]) if entry else (None, None)
     # no parameter, as `read_parameter` will say
-    return given, given
+    return entry, entry
 
 
-def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
-    read = []
-    again = said_twice(given)
-    if again:
-        raise InputError(problem("study_varied_twice", key=again[1], other=again[0]))
-    for path, value in given.items():
+def _read_parameters(case: Case, ranges: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
+    inputs = []
+    twice = said_twice(ranges)
+    if twice:
+        raise InputError(problem("study_varied_twice", key=twice[1], other=twice[0]))
+    for path, value in ranges.items():
         try:
             entry = entry_at(case, path)
         except InputError as error:
             raise InputError.at(f"parameters.{path}", error.message) from None
         # an absolute pressure is above that at the outlet, which may differ from design to design
-        fluid = None if any(path.startswith("fluid.") for path in given) else case.written.get("fluid")
-        read.append(_resolve_files(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))
-    return tuple(read)
+        fluid = None if any(path.startswith("fluid.") for path in ranges) else case.written.get("fluid")
+        inputs.append(_resolve_files(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))
+    return tuple(inputs)
 
 
 def _resolve_files(parameter: Parameter, folder: Path) -> Parameter:

@@ -100,13 +100,13 @@ def design_text(parameters: Sequence[Parameter], point: Sequence[float] | FloatA
     )
 
 
-def read_parameter(entry: Entry, given: object) -> Parameter:
+def read_parameter(entry: Entry, values: object) -> Parameter:
     """The parameter that stands in a study file.
 
     Parameters
     ----------
     entry : Entry
-    given : list or dict
+    values : list or dict
         Levels, a range, or a distribution.
 
     Raises
@@ -114,47 +114,47 @@ def read_parameter(entry: Entry, given: object) -> Parameter:
     InputError
     """
     key = f"parameters.{entry.path}"
-    if isinstance(given, (list, tuple)):
-        return Parameter(entry, _levels(entry, key, list(given)))
-    if isinstance(given, Mapping) and "distribution" in given:
-        return Parameter(entry, distribution=_distribution(entry, key, given))
-    if isinstance(given, Mapping):
-        return Parameter(entry, _range(entry, key, given))
-    raise InputError(problem("study_parameter", path=entry.path, given=show(given)))
+    if isinstance(values, (list, tuple)):
+        return Parameter(entry, _levels(entry, key, list(values)))
+    if isinstance(values, Mapping) and "distribution" in values:
+        return Parameter(entry, distribution=_distribution(entry, key, values))
+    if isinstance(values, Mapping):
+        return Parameter(entry, _range(entry, key, values))
+    raise InputError(problem("study_parameter", path=entry.path, given=show(values)))
 
 
-def _levels(entry: Entry, key: str, given: list[object]) -> tuple[Value, ...]:
-    if not 0 < len(given) <= _MOST_LEVELS:
-        raise InputError.at(key, f"has {len(given)} values; allowed are 1 to {_MOST_LEVELS}")
-    values = tuple(_read(entry, key, one) for one in given)
-    twice = [one for n, one in enumerate(values) if one in values[:n]] if len(values) < 1000 else []
+def _levels(entry: Entry, key: str, entries: list[object]) -> tuple[Value, ...]:
+    if not 0 < len(entries) <= _MOST_LEVELS:
+        raise InputError.at(key, f"has {len(entries)} values; allowed are 1 to {_MOST_LEVELS}")
+    values = tuple(_read(entry, key, value) for value in entries)
+    twice = [level for n, level in enumerate(values) if level in values[:n]] if len(values) < 1000 else []
     if twice:
-        raise InputError.at(key, f"names {show(given[values.index(twice[0])])} twice; remove one")
+        raise InputError.at(key, f"names {show(entries[values.index(twice[0])])} twice; remove one")
     return values
 
 
-def _read(entry: Entry, key: str, given: object) -> Value:
+def _read(entry: Entry, key: str, value: object) -> Value:
     try:
-        return entry.read(given)
+        return entry.read(value)
     except ValueError as error:
-        raise InputError.at(key, str(error), show(given)) from None
+        raise InputError.at(key, str(error), show(value)) from None
 
 
-def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...]:
+def _range(entry: Entry, key: str, table: Mapping[str, Any]) -> tuple[Value, ...]:
     example = '{ start = "30 deg", stop = "60 deg", num = 7, spacing = "linear" or "log" }'
-    _check_keys(key, given, RANGE_KEYS, RANGE_KEYS[:3], example)
+    _check_keys(key, table, RANGE_KEYS, RANGE_KEYS[:3], example)
     if not entry.numeric:
         raise InputError.at(key, "holds words, which have no range; write a list")
-    start, stop = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("start", "stop"))
-    num, spacing = given["num"], given.get("spacing", "linear")
+    start, stop = (float(_read(entry, f"{key}.{name}", table[name])) for name in ("start", "stop"))
+    num, spacing = table["num"], table.get("spacing", "linear")
     if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= _MOST_LEVELS:
         raise InputError.at(f"{key}.num", f"must be a whole number from 2 to {_MOST_LEVELS}", show(num))
     if spacing not in ("linear", "log"):
         raise InputError.at(f"{key}.spacing", 'must be "linear" or "log"', show(spacing))
     if not start < stop:
-        raise InputError.at(f"{key}.start", "must be below stop", show(given["start"]))
+        raise InputError.at(f"{key}.start", "must be below stop", show(table["start"]))
     if spacing == "log" and start <= 0:
-        raise InputError.at(f"{key}.start", 'must be above zero with spacing = "log"', show(given["start"]))
+        raise InputError.at(f"{key}.start", 'must be above zero with spacing = "log"', show(table["start"]))
     shares = [n / (num - 1) for n in range(1, num - 1)]
     inner = [
         start + (stop - start) * t if spacing == "linear" else start * math.exp(math.log(stop / start) * t)
@@ -163,48 +163,48 @@ def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...
     return (start, *inner, stop)
 
 
-def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
-    kind = given["distribution"]
+def _distribution(entry: Entry, key: str, table: Mapping[str, Any]) -> Distribution:
+    kind = table["distribution"]
     if kind not in DISTRIBUTIONS:
-        listed = ", ".join(f'"{one}"' for one in DISTRIBUTIONS)
-        raise InputError.at(f"{key}.distribution", f"must be one of {listed}", show(kind))
+        kinds = ", ".join(f'"{name}"' for name in DISTRIBUTIONS)
+        raise InputError.at(f"{key}.distribution", f"must be one of {kinds}", show(kind))
     if not entry.numeric:
         raise InputError.at(key, "holds words, which have no distribution; write a list")
     numbers, make = DISTRIBUTIONS[kind]
-    example = "{ " + ", ".join([f'distribution = "{kind}"', *(f"{one} = ..." for one in numbers)]) + " }"
-    _check_keys(key, given, ("distribution", *numbers), numbers, example)
-    made = make(entry, key, given)
-    for bound in made.bounds:
+    example = "{ " + ", ".join([f'distribution = "{kind}"', *(f"{name} = ..." for name in numbers)]) + " }"
+    _check_keys(key, table, ("distribution", *numbers), numbers, example)
+    distribution = make(entry, key, table)
+    for limit in distribution.bounds:
         try:
-            entry.check(bound)
+            entry.check(limit)
         except ValueError as error:
-            raise InputError.at(key, f"reaches {entry.show(bound)}, which is {error}") from None
-    return made
+            raise InputError.at(key, f"reaches {entry.show(limit)}, which is {error}") from None
+    return distribution
 
 
-def _uniform(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
-    low, high = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("low", "high"))
+def _uniform(entry: Entry, key: str, table: Mapping[str, Any]) -> Distribution:
+    low, high = (float(_read(entry, f"{key}.{name}", table[name])) for name in ("low", "high"))
     if not low < high:
-        raise InputError.at(f"{key}.low", "must be below high", show(given["low"]))
-    if given["distribution"] == "uniform":
+        raise InputError.at(f"{key}.low", "must be below high", show(table["low"]))
+    if table["distribution"] == "uniform":
         return Uniform(low, high)
     if low <= 0:
-        raise InputError.at(f"{key}.low", "must be above zero", show(given["low"]))
+        raise InputError.at(f"{key}.low", "must be above zero", show(table["low"]))
     return LogUniform(low, high)
 
 
-def _normal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
-    mean = float(_read(entry, f"{key}.mean", given["mean"]))
-    return Normal(mean, _width(entry, f"{key}.std", given["std"]))
+def _normal(entry: Entry, key: str, table: Mapping[str, Any]) -> Distribution:
+    mean = float(_read(entry, f"{key}.mean", table["mean"]))
+    return Normal(mean, _width(entry, f"{key}.std", table["std"]))
 
 
-def _lognormal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
-    median = float(_read(entry, f"{key}.median", given["median"]))
-    relative = given["relative"]
+def _lognormal(entry: Entry, key: str, table: Mapping[str, Any]) -> Distribution:
+    median = float(_read(entry, f"{key}.median", table["median"]))
+    relative = table["relative"]
     if isinstance(relative, bool) or not isinstance(relative, (int, float)) or not 0 < relative <= 1:
         raise InputError(problem("study_relative_width", key=f"{key}.relative", given=show(relative)))
     if median <= 0:
-        raise InputError.at(f"{key}.median", "must be above zero", show(given["median"]))
+        raise InputError.at(f"{key}.median", "must be above zero", show(table["median"]))
     return LogNormal(median, float(relative))
 
 
@@ -217,29 +217,29 @@ DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], Callable[[Entry, str, Mapping[st
 }
 
 
-def _width(entry: Entry, key: str, given: object) -> float:
+def _width(entry: Entry, key: str, value: object) -> float:
     """A standard deviation: of the entry's dimension, but not inside its range."""
     try:
         if isinstance(entry.marker, Quantity):
-            width = parse_quantity(given, entry.marker.dimension)
-        elif isinstance(given, (int, float)) and not isinstance(given, bool):
-            width = float(given)
+            width = parse_quantity(value, entry.marker.dimension)
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            width = float(value)
         else:
             raise ValueError("is not a number")
     except ValueError as error:
-        raise InputError.at(key, str(error), show(given)) from None
+        raise InputError.at(key, str(error), show(value)) from None
     if not (math.isfinite(width) and width > 0):
-        raise InputError.at(key, "must be above zero", show(given))
+        raise InputError.at(key, "must be above zero", show(value))
     return width
 
 
 def _check_keys(
-    key: str, given: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...], example: str
+    key: str, table: Mapping[str, Any], keys: tuple[str, ...], required_keys: tuple[str, ...], example: str
 ) -> None:
-    unknown = [name for name in given if name not in known]
-    missing = [name for name in needed if name not in given]
-    if unknown or missing:
-        wrong = f"has an unknown key {show(unknown[0])}" if unknown else f"lacks {missing[0]}"
+    unknown = [name for name in table if name not in keys]
+    missing_keys = [name for name in required_keys if name not in table]
+    if unknown or missing_keys:
+        wrong = f"has an unknown key {show(unknown[0])}" if unknown else f"lacks {missing_keys[0]}"
         raise InputError.at(key, f"{wrong}; write {example}")
 
 
@@ -348,5 +348,5 @@ def _parameter() -> dict[str, Any]:
     }
 
 
-def _object_schema(properties: dict[str, Any], required: Sequence[str]) -> dict[str, Any]:
-    return {"properties": properties, "required": list(required), "additionalProperties": False}
+def _object_schema(properties: dict[str, Any], keys: Sequence[str]) -> dict[str, Any]:
+    return {"properties": properties, "required": list(keys), "additionalProperties": False}

@@ -16,7 +16,7 @@ from fem_seal.units import duration
 # After so long it is told who is being calculated, then each time that it has become twice as long [s].
 _SLOW = 60.0
 # So often a design is told to stop, this far apart [s], until it is taken for stuck.
-_TIMES, _APART = 10, 1.0
+_TIMES, _INTERVAL = 10, 1.0
 
 
 class OvertimeError(BaseException):
@@ -31,17 +31,17 @@ class Block:
     ----------
     slow : callable
         Told how long it has been [s], a few times before the limit.
-    over : callable
+    stop : callable
         Called at the limit, and now and then after it, with the event that says that the block runs no longer.
     """
 
     slow: Callable[[float], None]
-    over: Callable[[threading.Event], None]
+    stop: Callable[[threading.Event], None]
     tell: float = 0.0
     start: float = 0.0
-    spent: float = 0.0
+    duration: float = 0.0
     runs: bool = False
-    ended: threading.Event | None = None
+    end: threading.Event | None = None
 
 
 class Watch:
@@ -75,18 +75,18 @@ class Watch:
     def turn(self, block: Block) -> Iterator[None]:
         """Look at the clock while a block runs for a while: what counts is all of its time, not that of others."""
         block.tell = block.tell or self._first
-        block.start = time.monotonic() - block.spent
-        block.runs, block.ended = True, None
+        block.start = time.monotonic() - block.duration
+        block.runs, block.end = True, None
         self._block = block
         try:
             yield
         finally:
             block.runs = False
-            if block.ended is not None:
-                block.ended.set()
+            if block.end is not None:
+                block.end.set()
             with self._telling:
                 self._block = None
-            block.spent = time.monotonic() - block.start
+            block.duration = time.monotonic() - block.start
 
     def _look(self) -> None:
         while not self._closed.wait(self._pause):
@@ -97,16 +97,16 @@ class Watch:
 
     def _tell(self, block: Block) -> None:
         """Tell a block how long it has been, or that it has reached its limit."""
-        passed = time.monotonic() - block.start
-        if passed < self._limit:
-            block.slow(passed)
-            block.tell = min(2 * passed, self._limit)
+        duration = time.monotonic() - block.start
+        if duration < self._limit:
+            block.slow(duration)
+            block.tell = min(2 * duration, self._limit)
             return
         # only now: it takes longer than many a turn
-        block.ended = ended = threading.Event()
+        block.end = end = threading.Event()
         if not block.runs:
-            ended.set()
-        block.over(ended)
+            end.set()
+        block.stop(end)
         block.tell = time.monotonic() - block.start + self._first
 
 
@@ -135,25 +135,25 @@ def end_after(
     OvertimeError
         At the limit, from wherever the block is.
     """
-    interrupting = ended = False
+    interrupts = is_over = False
     usual: Any = None
 
     def raise_overtime(number: int, frame: Any) -> None:
-        nonlocal interrupting
-        if not interrupting:
+        nonlocal interrupts
+        if not interrupts:
             if callable(usual):
                 usual(number, frame)
             return
-        interrupting = False
-        if not ended:
+        interrupts = False
+        if not is_over:
             raise OvertimeError
 
-    def over(block_ended: threading.Event) -> None:
-        nonlocal interrupting
+    def stop(block_ended: threading.Event) -> None:
+        nonlocal interrupts
         for _ in range(_TIMES if main else 0):
-            interrupting = True
+            interrupts = True
             _interrupt_main_thread()
-            if block_ended.wait(_APART):
+            if block_ended.wait(_INTERVAL):
                 return
         stuck()
 
@@ -161,12 +161,12 @@ def end_after(
     if main:
         usual = signal.signal(signal.SIGINT, raise_overtime)
     try:
-        with Watch(limit) as watch, watch.turn(Block(slow, over)):
+        with Watch(limit) as watch, watch.turn(Block(slow, stop)):
             try:
                 yield
             finally:
                 # what comes too late does not hit anybody else
-                ended = True
+                is_over = True
     finally:
         if main:
             signal.signal(signal.SIGINT, signal.SIG_DFL if usual is None else usual)

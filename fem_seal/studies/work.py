@@ -128,12 +128,12 @@ class DesignSpec:
 
     def files_of(self, point: Sequence[float] | FloatArray) -> dict[str, str]:
         """Those of the files that a design is made of."""
-        chosen = {
+        values = {
             str(value)
             for parameter, value in zip(self.parameters, self.inputs(point), strict=True)
             if parameter.levels
         }
-        return self._files_of_all | {path: self.files[path] for path in chosen & self.files.keys()}
+        return self._files_of_all | {path: self.files[path] for path in values & self.files.keys()}
 
     @cached_property
     def _files_of_all(self) -> dict[str, str]:
@@ -213,20 +213,20 @@ def calculate_watched(
         def slow(seconds: float) -> None:
             tell({"slow": slow_line(design_text(spec.parameters, point), seconds, spec.time_limit)})
 
-        def over(ended: Event) -> None:
+        def stop(end: Event) -> None:
             tell({"late": point.tolist(), "worker": worker, "replaceable": replaceable})
             # nothing less ends a design that is deep in a library; first what was told has to reach the coordinator
-            if not ended.wait(_FAREWELL):
+            if not end.wait(_FAREWELL):
                 leave()
 
-        return Block(slow, over)
+        return Block(slow, stop)
 
     designs = [block(point) for point in chunk]
     with Watch(spec.time_limit) as watch:
 
         def turn(number: int | None) -> AbstractContextManager[None]:
             # a worker that dies without a word has its designs tried one by one
-            several = Block(lambda seconds: None, lambda ended: leave())
+            several = Block(lambda seconds: None, lambda end: leave())
             return watch.turn(several if number is None else designs[number])
 
         return calculate(spec, chunk, turn)
@@ -256,8 +256,8 @@ def _row(spec: DesignSpec, point: Sequence[float], design: DesignResult) -> Row:
 
 def failed_row(spec: DesignSpec, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:
     """Row of a design that could not be calculated at all."""
-    nothing = (None,) * (len(spec.columns) + len(spec.derived))
-    return Row(spec.key(point), spec.inputs(point), nothing, why, seconds)
+    no_values = (None,) * (len(spec.columns) + len(spec.derived))
+    return Row(spec.key(point), spec.inputs(point), no_values, why, seconds)
 
 
 def overtime_row(spec: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
@@ -267,8 +267,8 @@ def overtime_row(spec: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
 
 def _reason_text(error: BaseException) -> str:
     text = " ".join(str(error).split())[:500]
-    expected = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
-    return text if expected and text else f"{type(error).__name__}: {text}"
+    is_own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
+    return text if is_own and text else f"{type(error).__name__}: {text}"
 
 
 def chunks(spec: DesignSpec, points: FloatArray) -> Iterator[FloatArray]:
@@ -281,18 +281,18 @@ def chunks(spec: DesignSpec, points: FloatArray) -> Iterator[FloatArray]:
     design = design_seconds(spec.case, spec.columns)
     ranks = np.array([_rank(parameter.name) for parameter in spec.parameters])
     # lexsort takes the most important column last
-    ordered = points[np.lexsort(points[:, np.argsort(ranks, kind="stable")[::-1]].T)]
-    changed = np.vstack([np.ones(ordered.shape[1], dtype=bool), ordered[1:] != ordered[:-1]])
-    ordered, changed = ordered[changed.any(axis=1)], changed[changed.any(axis=1)]
-    new_bodies, new_surface = (changed[:, ranks <= rank].any(axis=1) for rank in (0, 1))
+    rows = points[np.lexsort(points[:, np.argsort(ranks, kind="stable")[::-1]].T)]
+    changes = np.vstack([np.ones(rows.shape[1], dtype=bool), rows[1:] != rows[:-1]])
+    rows, changes = rows[changes.any(axis=1)], changes[changes.any(axis=1)]
+    new_bodies, new_surface = (changes[:, ranks <= rank].any(axis=1) for rank in (0, 1))
     costs = design + _SURFACE * new_surface + _BODIES * new_bodies
     start, cost = 0, 0.0
     for place, step in enumerate(np.asarray(costs).tolist()):
         if place > start and (cost + step > _CHUNK or place - start == _MOST_DESIGNS):
-            yield ordered[start:place]
+            yield rows[start:place]
             start, cost = place, 0.0
         cost += step
-    yield ordered[start:]
+    yield rows[start:]
 
 
 def _rank(path: str) -> int:
@@ -359,5 +359,5 @@ def _contents(path: str) -> str:
 
 # The keys of all designs ask for the same few files.
 @lru_cache(maxsize=1024)
-def _hash_of(path: str, changed: int, size: int) -> str:
+def _hash_of(path: str, time_of_change: int, size: int) -> str:
     return hashlib.blake2b(Path(path).read_bytes(), digest_size=16).hexdigest()

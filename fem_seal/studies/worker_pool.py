@@ -21,7 +21,7 @@ from fem_seal.studies.work import DesignSpec, failed_row, overtime_row
 _AHEAD = 3
 # Longest silence before the workers are asked whether they still have the chunks [s].
 HEARTBEAT = 2.0
-KEPT = "the designs that are done are kept, --resume (resume=True) continues"
+RESUME_HINT = "the designs that are done are kept, --resume (resume=True) continues"
 
 
 class Task(NamedTuple):
@@ -40,7 +40,7 @@ class Workers(ABC):
         """Workers that are there."""
 
     @abstractmethod
-    def listen(self, put: Callable[[Any], None]) -> AbstractContextManager[None]:
+    def listen(self, report: Callable[[Any], None]) -> AbstractContextManager[None]:
         """Put here what workers say (see `fem_seal.studies.work.calculate_watched`), from other threads."""
 
     @abstractmethod
@@ -103,8 +103,8 @@ class WorkerPool:
         course = _Schedule(self, spec, list(chunks))
         with self.workers.listen(course.events.put):
             while course.hand_out():
-                if settled := course.wait_for_chunk():
-                    yield from course.rows(*settled)
+                if outcome := course.wait_for_chunk():
+                    yield from course.rows(*outcome)
 
 
 class _Schedule:
@@ -128,15 +128,15 @@ class _Schedule:
 
     def hand_out(self) -> bool:
         """Give every worker something to do; whether anything is on the way then."""
-        there = Counter(task.worker for task in self._tasks.values())
+        counts = Counter(task.worker for task in self._tasks.values())
         # while there is no worker, chunks are for whichever comes
         workers: list[str | None] = [*self._workers.names()] or [None]
         for worker in workers:
-            while there[worker] < _AHEAD and len(self._tasks) < _AHEAD * len(workers):
+            while counts[worker] < _AHEAD and len(self._tasks) < _AHEAD * len(workers):
                 chunk = self._queue.take_chunk(worker)
                 if chunk is None:
                     break
-                there[worker] += 1
+                counts[worker] += 1
                 self._send(Task(chunk, worker, 0))
         if not self._tasks and self._suspects:
             self._send(self._suspects.popleft())
@@ -208,12 +208,12 @@ class WorkQueue:
 
     def take_chunk(self, worker: str | None) -> FloatArray | None:
         """The next chunk for a worker; who has none left, or is new, takes over half of the largest share."""
-        own = self._parts.setdefault(worker, deque())
-        if not own:
+        part = self._parts.setdefault(worker, deque())
+        if not part:
             largest = max(self._parts.values(), key=len)
             for _ in range(-(-len(largest) // 2)):
-                own.append(largest.pop())
-        return own.popleft() if own else None
+                part.append(largest.pop())
+        return part.popleft() if part else None
 
     def give_back(self, worker: str | None, chunk: FloatArray) -> None:
         """A chunk that is to be calculated again, by this worker or another one."""
