@@ -20,7 +20,7 @@ from fem_seal.units import System
 from meshes import MeshesError
 
 if TYPE_CHECKING:
-    from fem_seal.explore.screen import Section
+    from fem_seal.explore.screen import CrossSection
 
 _SHAPES = own_tables("shapes.toml")
 # Bodies of the case by the rows of pictures.
@@ -62,7 +62,7 @@ class Picture:
     key: str
     name: str
     source: str
-    chosen: bool
+    is_chosen: bool
 
 
 def pictures_of(case: Case) -> dict[str, list[Picture]]:
@@ -121,8 +121,8 @@ def apply_choice(case: Case, key: str, value: str) -> Case:
     row, _, shape = key.partition(".")
     if row in ROWS and shape in _SHAPES[row]:
         return _set_shape(case, row, shape)
-    known = {choice.key: choice for several in choices_of(case).values() for choice in several}
-    if key not in known or (known[key].options and value not in {o["value"] for o in known[key].options}):
+    offers = {choice.key: choice for several in choices_of(case).values() for choice in several}
+    if key not in offers or (offers[key].options and value not in {o["value"] for o in offers[key].options}):
         raise InputError.at(key, "is no choice of the page")
     if key == "requirement":
         return _set_requirement(case, value)
@@ -133,8 +133,8 @@ def apply_choice(case: Case, key: str, value: str) -> Case:
     if key.endswith(" height"):
         path = key.removesuffix(" height")
         table = _face(case, path)
-        own = next(height for height in HEIGHTS if height in table)
-        return case.replace_written({f"{path}.{own}": None, f"{path}.{value}": table[own]})
+        height = next(height for height in HEIGHTS if height in table)
+        return case.replace_written({f"{path}.{height}": None, f"{path}.{value}": table[height]})
     return case.replace_written({key: value.strip() or None})
 
 
@@ -142,53 +142,53 @@ def _options(values: Sequence[str]) -> list[dict[str, str]]:
     return [{"label": value, "value": value, "search": value} for value in values]
 
 
-def _materials(own: str) -> list[dict[str, str]]:
+def _materials(name_of_case: str) -> list[dict[str, str]]:
     """The library with the words by which `fem-seal materials` finds them, and the case's own if it has another."""
     words: dict[str, list[str]] = {}
     for word, name in ALIASES.items():
         words.setdefault(name, []).append(word)
-    found = [
+    options = [
         {"label": name, "value": name, "search": " ".join([name, material.condition, *words.get(name, ())])}
         for name, material in LIBRARY.items()
     ]
-    return found if own in LIBRARY else [*_options([own]), *found]
+    return options if name_of_case in LIBRARY else [*_options([name_of_case]), *options]
 
 
 def _fluid(case: Case) -> Iterator[Choice]:
     from leak import FLUIDS, GASES
 
     if case.fluid is not None and case.roughness is not None:
-        own = case.fluid.name
-        yield Choice("fluid.name", "fluid", own, _options(list(dict.fromkeys([own, *FLUIDS, *GASES]))))
+        name = case.fluid.name
+        yield Choice("fluid.name", "fluid", name, _options(list(dict.fromkeys([name, *FLUIDS, *GASES]))))
 
 
 def _set_fluid(case: Case, name: str) -> Case:
     """The case with another fluid of the library, at the temperature of its own."""
     from leak import is_gas
 
-    given = case.written.get("fluid", {})
+    entries = case.written.get("fluid", {})
     stays = ("temperature", "particles", *(("outlet_pressure",) if is_gas(name) else ()))
-    table = dict.fromkeys(given) | {"name": name} | {key: given[key] for key in stays if key in given}
+    table = dict.fromkeys(entries) | {"name": name} | {key: entries[key] for key in stays if key in entries}
     return case.replace_written({f"fluid.{key}": value for key, value in table.items()})
 
 
 def _face(case: Case, path: str) -> Mapping[str, Any]:
     """The finish at a path of [roughness], as keys."""
-    written: Any = read_roughness(case.written["roughness"])
+    finish: Any = read_roughness(case.written["roughness"])
     for part in path.split(".")[1:]:
-        written = written[part]
-    return written if isinstance(written, Mapping) else {}
+        finish = finish[part]
+    return finish if isinstance(finish, Mapping) else {}
 
 
 def _finishes(case: Case) -> Iterator[Choice]:
     """Height and process of each face whose finish is that of a drawing."""
     if case.roughness is None:
         return
-    written: Any = read_roughness(case.written["roughness"])
+    finishes: Any = read_roughness(case.written["roughness"])
     lower = "seat" if case.gasket is None else "lower flange"
     names = {"": "both faces", "seat": lower, "closure": "closure", "gasket": "gasket"}
     for key, name in names.items():
-        table = written if not key else written.get(key)
+        table = finishes if not key else finishes.get(key)
         height = next((word for word in HEIGHTS if isinstance(table, Mapping) and word in table), None)
         if height is None:
             continue
@@ -203,18 +203,18 @@ def _requirement(case: Case) -> Iterator[Choice]:
 
     if case.roughness is None or case.fluid is None:
         return
-    gas, own = case.fluid.gas is not None, case.requirement
+    gas, rule = case.fluid.gas is not None, case.requirement
     classes = [f"{standard} {word}" for standard in STANDARDS for word in classes_of(standard, gas=gas)]
-    required = " ".join(own.standard_and_class) if own and own.standard_and_class else None
-    value = NONE if own is None else required or LEAK_RATE
+    class_name = " ".join(rule.standard_and_class) if rule and rule.standard_and_class else None
+    value = NONE if rule is None else class_name or LEAK_RATE
     yield Choice("requirement", "requirement", value, _options(list(dict.fromkeys([NONE, value, *classes]))))
-    written = case.written.get("requirement", {})
+    entries = case.written.get("requirement", {})
     yield Choice(
-        "requirement.leak_rate", "allowed leak rate", str(written.get("leak_rate", "")), hint="1 ml/min"
+        "requirement.leak_rate", "allowed leak rate", str(entries.get("leak_rate", "")), hint="1 ml/min"
     )
-    rated = str(written.get("rated_capacity", ""))
+    flow = str(entries.get("rated_capacity", ""))
     yield Choice(
-        "requirement.rated_capacity", "rated flow, for FCI\u00a070\u20112 II to IV", rated, hint="40 m^3/h"
+        "requirement.rated_capacity", "rated flow, for FCI\u00a070\u20112 II to IV", flow, hint="40 m^3/h"
     )
 
 
@@ -235,8 +235,8 @@ def _form(case: Case, lower: str) -> Iterator[Choice]:
     for body in ("closure", "seat"):
         table = form.get(body, {})
         if not table or "tolerance" in table:
-            own = str(table.get("tolerance", ""))
-            yield Choice(f"form.{body}.tolerance", f"roundness, {body}", own, hint="round")
+            tolerance = str(table.get("tolerance", ""))
+            yield Choice(f"form.{body}.tolerance", f"roundness, {body}", tolerance, hint="round")
 
 
 def _scale_lengths(entry: Any, factor: float) -> Any:
@@ -252,13 +252,13 @@ def _scale_lengths(entry: Any, factor: float) -> Any:
 def _tables(row: str, shape: str, factor: float = 1.0) -> dict[str, dict[str, Any]]:
     """Both bodies of a shape and of the one that it is shown with."""
     words = _SHAPES[row][shape]
-    own, other = {"shape": shape, **words["table"]}, words["with"]
+    table, partner = {"shape": shape, **words["table"]}, words["with"]
     if row == "gasket":
-        found = {"closure": _SHAPES["flange"][other], "gasket": own}
+        tables = {"closure": _SHAPES["flange"][partner], "gasket": table}
     else:
-        beside = "seat" if row == "closure" else "closure"
-        found = {row: own, beside: {"shape": other, **_SHAPES[beside][other]["table"]}}
-    return {body: _scale_lengths(table, factor) for body, table in found.items()}
+        opposite = "seat" if row == "closure" else "closure"
+        tables = {row: table, opposite: {"shape": partner, **_SHAPES[opposite][partner]["table"]}}
+    return {body: _scale_lengths(table, factor) for body, table in tables.items()}
 
 
 @cache
@@ -277,22 +277,22 @@ def _set_shape(case: Case, row: str, shape: str) -> Case:
     """
     lower = case.key_of("seat")
     materials = {
-        body: case.written[own]["material"]
-        for body, own in (("closure", "closure"), ("seat", lower), ("gasket", lower))
+        body: case.written[key]["material"]
+        for body, key in (("closure", "closure"), ("seat", lower), ("gasket", lower))
     }
     both = _tables(
         row, shape, case.initial_contact_radius / _case_of_shape(row, shape).initial_contact_radius
     )
     new = {body: {**table, "material": materials[body]} for body, table in both.items()}
-    alone = {row: new[row]}
+    change = {row: new[row]}
     fits = row == lower or (row == "closure" and lower == "seat")
     failure: Exception | None = None
-    for tables in (alone, new) if fits else (new,):
-        gone = {
+    for tables in (change, new) if fits else (new,):
+        removals = {
             body: None for body in ("seat", "gasket") if body not in {lower, *tables} or _ends(body, tables)
         }
         try:
-            return _close_seal(case, {**gone, **tables})
+            return _close_seal(case, {**removals, **tables})
         except (SealError, MeshesError, ValueError) as error:
             failure = error
     raise failure if isinstance(failure, InputError) else InputError.at(row, str(failure))
@@ -308,17 +308,17 @@ def _close_seal(case: Case, tables: Mapping[str, Any]) -> Case:
     if "gasket" in bodies and bodies["gasket"] is not None:
         bodies |= {"load.pressure_side": "inner", "load.closing": None}
     roughness = case.written.get("roughness")
-    kept, lost = ("gasket", "seat") if bodies.get("gasket") else ("seat", "gasket")
-    if isinstance(roughness, Mapping) and lost in roughness and lost in tables and tables[lost] is None:
-        bodies |= {f"roughness.{lost}": None, f"roughness.{kept}": roughness[lost]}
+    part, other = ("gasket", "seat") if bodies.get("gasket") else ("seat", "gasket")
+    if isinstance(roughness, Mapping) and other in roughness and other in tables and tables[other] is None:
+        bodies |= {f"roughness.{other}": None, f"roughness.{part}": roughness[other]}
     try:
-        made = case.replace_written(bodies)
+        sealed_case = case.replace_written(bodies)
     except NoLoadLeftError:
         area = math.pi * case.initial_contact_radius**2
         bodies["load.applied_force"] = f"{2 * area * max(case.load.fluid_pressure):.3g} N"
-        made = case.replace_written(bodies)
-    _ = made.contact
-    return made
+        sealed_case = case.replace_written(bodies)
+    _ = sealed_case.contact
+    return sealed_case
 
 
 # Colours of the pictures, fit for light and dark.
@@ -329,7 +329,7 @@ _CLOSURE, _SEAT, _LINE = "#8fb4dd", "#d3b98c", "#5b6675"
 def _draw_shape(row: str, shape: str) -> str:
     """A small section of a shape with its partner, as the source of an image."""
     case = _case_of_shape(row, shape)
-    section: Section = section_of(case)
+    section: CrossSection = section_of(case)
     r0 = section.initial_contact_radius
     wide, high = 1.5 * r0, 1.0 * r0
     colours = (_CLOSURE, _SEAT) if row == "closure" else (_CLOSURE + "66", _SEAT)

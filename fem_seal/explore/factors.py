@@ -28,7 +28,7 @@ Group = Literal["load", "surface", "dimension"]
 _STOPS = 80
 _WIDE, _NARROW = 5.0, 1.5
 # Keys of the bodies that are no dimensions to try out.
-_LEFT_ALONE = ("interference", "tolerance", "thickness")
+_FIXED_KEYS = ("interference", "tolerance", "thickness")
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Factor:
         Entries of the case that it sets.
     stops : tuple of str
         Values of its slider as they stand in a case file, increasing; the case's own among them.
-    given : str
+    base_text : str
         The case's own value.
     dimension : str
         Of the quantity, see `fem_seal.units.DIMENSIONS`.
@@ -59,14 +59,14 @@ class Factor:
     group: Group
     paths: tuple[str, ...]
     stops: tuple[str, ...]
-    given: str
+    base_text: str
     dimension: str
     note: str = ""
 
     @property
     def place(self) -> int:
         """Number of the stop that is the case's own value."""
-        return self.stops.index(self.given)
+        return self.stops.index(self.base_text)
 
     def nearest(self, text: str) -> int:
         """Number of the stop next to a value."""
@@ -103,17 +103,17 @@ class Factors:
     Parameters
     ----------
     sliders : tuple of Factor
-    left_out : tuple of str
+    notes : tuple of str
         Sentences about what is not offered.
     """
 
     sliders: tuple[Factor, ...]
-    left_out: tuple[str, ...]
+    notes: tuple[str, ...]
 
     @property
     def base_design(self) -> dict[str, str]:
         """The design that is the case itself."""
-        return {factor.key: factor.given for factor in self.sliders}
+        return {factor.key: factor.base_text for factor in self.sliders}
 
     @property
     def labels(self) -> dict[str, str]:
@@ -135,10 +135,10 @@ class Factors:
         texts : mapping
             From keys of factors to texts; others are left out.
         """
-        found = {
+        messages = {
             factor.key: factor.find_error(texts[factor.key]) for factor in self.sliders if factor.key in texts
         }
-        return {key: message for key, message in found.items() if message}
+        return {key: message for key, message in messages.items() if message}
 
     def changes(self, case: Case, design: Mapping[str, str]) -> dict[str, Any]:
         """Entries of a case file that make a design of a case; only what differs from it.
@@ -154,30 +154,30 @@ class Factors:
         InputError
             If a text is no such quantity.
         """
-        found: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
         problems: list[Problem] = []
         for factor in self.sliders:
-            text = design.get(factor.key, factor.given)
-            if text == factor.given:
+            text = design.get(factor.key, factor.base_text)
+            if text == factor.base_text:
                 continue
             if message := factor.find_error(text):
                 problems.append(Problem(factor.label, message, f'"{text}"'))
             elif factor.group == "load":
                 (path,) = factor.paths
-                moved = _scale_values(getattr(case.load, path.removeprefix("load.")), factor, text)
-                found[path] = moved
+                values = _scale_values(getattr(case.load, path.removeprefix("load.")), factor, text)
+                entries[path] = values
                 if (
                     factor.key == "fluid_pressure"
                     and case.requirement
-                    and (required := case.requirement.pressures)
+                    and (pressures := case.requirement.pressures)
                 ):
                     # what is required at a load is required where it goes
-                    found["requirement.fluid_pressure"] = _at_loads(case, required, moved)
+                    entries["requirement.fluid_pressure"] = _at_loads(case, pressures, values)
             else:
-                found |= dict.fromkeys(factor.paths, text)
+                entries |= dict.fromkeys(factor.paths, text)
         if problems:
             raise InputError(*problems)
-        return found
+        return entries
 
 
 def factors_of(case: Case) -> Factors:
@@ -187,28 +187,28 @@ def factors_of(case: Case) -> Factors:
     ----------
     case : Case
     """
-    found = [
+    items = [
         factor for find in (_pressure, _force, _finishes, _hardness, _dimensions) for factor in find(case)
     ]
     system = case.report.units
     sliders = [
-        _convert_texts(factor, system) if system else factor for factor in found if isinstance(factor, Factor)
+        _convert_texts(factor, system) if system else factor for factor in items if isinstance(factor, Factor)
     ]
-    left_out = [factor for factor in found if isinstance(factor, str)]
+    left_out = [factor for factor in items if isinstance(factor, str)]
     return Factors(tuple(sliders), tuple(left_out))
 
 
 def _convert_texts(factor: Factor, system: System) -> Factor:
     """A factor with its texts in the units of a system; its own value stays the very one of the case."""
-    written, value = factor.given.partition(" ")[2], factor.value(factor.given)
-    unit = unit_like(written, factor.dimension, value or factor.value(factor.stops[-1]), system)
+    symbol, value = factor.base_text.partition(" ")[2], factor.value(factor.base_text)
+    unit = unit_like(symbol, factor.dimension, value or factor.value(factor.stops[-1]), system)
     if unit is None:
         return factor
     stops = [f"{float(f'{unit.of(factor.value(stop)):.3g}'):g}" for stop in factor.stops]
     stops[factor.place] = f"{unit.of(value):.6g}"
     name = unit.name.replace("µ", "u")
     texts = tuple(dict.fromkeys(f"{stop} {name}" for stop in stops))
-    return replace(factor, stops=texts, given=f"{stops[factor.place]} {name}")
+    return replace(factor, stops=texts, base_text=f"{stops[factor.place]} {name}")
 
 
 def open_materials(case: Case) -> Case:
@@ -217,14 +217,14 @@ def open_materials(case: Case) -> Case:
     return with_open_materials(case, paths)
 
 
-Found = Sequence[Factor | str]
+Offers = Sequence[Factor | str]
 
 
-def _pressure(case: Case) -> Found:
+def _pressure(case: Case) -> Offers:
     return [_of_loads(case, "fluid_pressure", "fluid_pressure", "pressure", case.load.fluid_pressure)]
 
 
-def _force(case: Case) -> Found:
+def _force(case: Case) -> Offers:
     if case.bolts is not None:
         return ["The bolts give the force of the case: it is not offered as a slider."]
     forces = [force for _, force in case.load.points]
@@ -249,9 +249,9 @@ def _of_loads(
 ) -> Factor:
     """The factor of an entry of [load]: its largest value, with which the others keep their proportions."""
     words = own_tables("explore.toml")["factors"][key]["several" if len(set(values)) > 1 else "one"]
-    written = case.written["load"].get(entry) if stops is None else None
+    text = case.written["load"].get(entry) if stops is None else None
     path, largest = f"load.{entry}", max(values)
-    return _factor(key, words["label"], "load", (path,), dimension, largest, written, stops, words["note"])
+    return _factor(key, words["label"], "load", (path,), dimension, largest, text, stops, words["note"])
 
 
 # What the height of a face is called in its table, the first that is there.
@@ -259,42 +259,42 @@ _HEIGHT = OneOrRange("length", "0 m", "1 m")
 _HEIGHTS = ("Ra", "Rq", "Rz", "rms_height")
 
 
-def _finishes(case: Case) -> Found:
+def _finishes(case: Case) -> Offers:
     if case.roughness is None:
         return ["The case has no [roughness]: there is no leak rate, and no finish to choose."]
     # a finish in words is a table like others
-    written: Any = read_roughness(case.written["roughness"])
-    faces = {"": written} if any(key in written for key in _HEIGHTS) else {}
+    finishes: Any = read_roughness(case.written["roughness"])
+    faces = {"": finishes} if any(key in finishes for key in _HEIGHTS) else {}
     names = {"spectrum": "both faces"} | {
         face: face for face in ("seat", "closure", "gasket", "along", "across")
     }
     if case.gasket is not None:
         names["seat"] = "lower flange"
-    faces |= {key: written[key] for key in names if isinstance(written.get(key), Mapping)}
-    found: list[Factor | str] = []
+    faces |= {key: finishes[key] for key in names if isinstance(finishes.get(key), Mapping)}
+    offers: list[Factor | str] = []
     for key, table in faces.items():
         which = next((name for name in _HEIGHTS if name in table), None)
         if which is None:
-            found.append(
+            offers.append(
                 f"The roughness of the {names[key]} is measured: its height is not offered as a slider."
             )
             continue
         label = f"{which.replace('_', ' ')}, {names.get(key, 'both faces')}"
         path = ".".join(filter(None, ["roughness", key, which]))
-        found.append(_finish(key or "all", label, path, table[which]))
-    return found
+        offers.append(_finish(key or "all", label, path, table[which]))
+    return offers
 
 
-def _finish(key: str, label: str, path: str, written: object) -> Factor:
-    ends = _HEIGHT.read(written) if isinstance(written, (str, list)) else _number("length", written)
+def _finish(key: str, label: str, path: str, entry: object) -> Factor:
+    ends = _HEIGHT.read(entry) if isinstance(entry, (str, list)) else _number("length", entry)
     if isinstance(ends, tuple):
         # the usual surface
-        written = f"{1e6 * math.sqrt(ends[0] * ends[1]):.3g} um"
-    value = _number("length", written)
-    return _factor(f"finish_{key}", label, "surface", (path,), "length", value, written)
+        entry = f"{1e6 * math.sqrt(ends[0] * ends[1]):.3g} um"
+    value = _number("length", entry)
+    return _factor(f"finish_{key}", label, "surface", (path,), "length", value, entry)
 
 
-def _hardness(case: Case) -> Found:
+def _hardness(case: Case) -> Offers:
     if case.roughness is None:
         return []
     hardness = case.hardness
@@ -311,46 +311,46 @@ def _hardness(case: Case) -> Found:
     return [_factor("hardness", label, "surface", paths, "pressure", hardness, values=values, note=note)]
 
 
-def _dimensions(case: Case) -> Found:
+def _dimensions(case: Case) -> Offers:
     """Every angle and length of the bodies that stands in the case; equal angles of both are one."""
-    known = set(entry_paths(case))
+    paths_of_case = set(entry_paths(case))
     entries: list[tuple[str, str, str, object]] = []
     for body in ("closure", case.key_of("seat")):
-        for key, written in case.written.get(body, {}).items():
+        for key, text in case.written.get(body, {}).items():
             # the drawing's word for what the case keeps as an angle to the axis or a radius
-            kept = same_entry(f"{body}.{key}")
-            if key in _LEFT_ALONE or kept not in known:
+            path = same_entry(f"{body}.{key}")
+            if key in _FIXED_KEYS or path not in paths_of_case:
                 continue
-            dimension = getattr(entry_at(case, kept).marker, "dimension", "")
+            dimension = getattr(entry_at(case, path).marker, "dimension", "")
             if dimension in ("angle", "length"):
-                entries.append((body, key, dimension, written))
+                entries.append((body, key, dimension, text))
     angles = [entry for entry in entries if entry[1] in ("angle", "included_angle")]
-    values = [_number("angle", written) for *_, written in angles]
-    linked = len(angles) == 2 and abs(values[0] - values[1]) < 1e-12
-    found: list[Factor | str] = []
+    values = [_number("angle", text) for *_, text in angles]
+    is_linked = len(angles) == 2 and abs(values[0] - values[1]) < 1e-12
+    offers: list[Factor | str] = []
     for entry in entries:
-        body, key, dimension, written = entry
+        body, key, dimension, text = entry
         paths: tuple[str, ...] = (f"{body}.{key}",)
         face = body
-        if linked and entry in angles:
+        if is_linked and entry in angles:
             if body == "seat":
                 continue
             paths, face = tuple(f"{body}.{key}" for body, key, *_ in angles), "both faces"
         label = f"{key.replace('_', ' ')}, {face}"
-        found += _of_dimension(dimension, f"{body}_{key}", label, written, paths)
-    drawn = [body for body in ("closure", case.key_of("seat")) if getattr(case, body).shape == "profile"]
-    found += [f"The {body} comes from a drawing: its dimensions are not offered." for body in drawn]
-    return sorted(found, key=lambda entry: isinstance(entry, Factor) and "angle" not in entry.key)
+        offers += _of_dimension(dimension, f"{body}_{key}", label, text, paths)
+    profiles = [body for body in ("closure", case.key_of("seat")) if getattr(case, body).shape == "profile"]
+    offers += [f"The {body} comes from a drawing: its dimensions are not offered." for body in profiles]
+    return sorted(offers, key=lambda entry: isinstance(entry, Factor) and "angle" not in entry.key)
 
 
-def _number(dimension: str, written: object) -> float:
+def _number(dimension: str, entry: object) -> float:
     """A quantity in SI, whatever of it the case keeps."""
-    return parse_quantity(written, dimension) if isinstance(written, str) else float(str(written))
+    return parse_quantity(entry, dimension) if isinstance(entry, str) else float(str(entry))
 
 
-def _of_dimension(dimension: str, key: str, label: str, written: object, paths: tuple[str, ...]) -> Found:
+def _of_dimension(dimension: str, key: str, label: str, text: object, paths: tuple[str, ...]) -> Offers:
     """The factor of an angle or a length; none where there is no room to move it."""
-    value = _number(dimension, written)
+    value = _number(dimension, text)
     if dimension == "length":
         values, room = _space_geometrically(value, _NARROW), value > 0
     else:
@@ -358,8 +358,8 @@ def _of_dimension(dimension: str, key: str, label: str, written: object, paths: 
         full = 180.0 if key.endswith("included_angle") else 90.0
         low, high = max(0.02 * full, degrees - full / 6), min(0.97 * full, degrees + full / 6)
         values, room = [*_space_evenly(math.radians(low), math.radians(high)), value], low < degrees < high
-        written = None
-    return [_factor(key, label, "dimension", paths, dimension, value, written, values)] if room else []
+        text = None
+    return [_factor(key, label, "dimension", paths, dimension, value, text, values)] if room else []
 
 
 def _space_geometrically(value: float, width: float) -> list[float]:
@@ -390,12 +390,12 @@ def _factor(
     for stop in sorted(values):
         number = float(f"{stop / size:.3g}")
         texts[number] = f"{number:g} {unit}"
-    given = text.strip() if isinstance(text, str) else f"{float(f'{value / size:.12g}')!r} {unit}"
-    own = value / size
-    texts = {number: shown for number, shown in texts.items() if abs(number - own) > 1e-6 * abs(own or 1.0)}
-    texts[own] = re.sub(r"\.0 ", " ", given)
+    own_text = text.strip() if isinstance(text, str) else f"{float(f'{value / size:.12g}')!r} {unit}"
+    base = value / size
+    texts = {number: text for number, text in texts.items() if abs(number - base) > 1e-6 * abs(base or 1.0)}
+    texts[base] = re.sub(r"\.0 ", " ", own_text)
     stops = tuple(texts[number] for number in sorted(texts))
-    return Factor(key, label, group, paths, stops, texts[own], dimension, note)
+    return Factor(key, label, group, paths, stops, texts[base], dimension, note)
 
 
 def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:
@@ -416,16 +416,16 @@ def _scale_values(values: float | Sequence[float], factor: Factor, text: str) ->
     """Values of a list in their old proportions, the largest as it stands in a text; the text for one alone."""
     if isinstance(values, float) or len(values) == 1:
         return text
-    largest, share = max(values), factor.value(text) / factor.value(factor.given)
+    largest, share = max(values), factor.value(text) / factor.value(factor.base_text)
     unit = DIMENSIONS[factor.dimension].si_unit
     return [text if value == largest else f"{float(f'{value * share:.6g}')!r} {unit}" for value in values]
 
 
-def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> list[str]:
+def _at_loads(case: Case, pressures: Sequence[float], new_values: str | list[str]) -> list[str]:
     """Pressures of loads after they have been moved."""
-    texts = [moved] if isinstance(moved, str) else moved
+    texts = [new_values] if isinstance(new_values, str) else new_values
     # of one pressure under several forces there is one text
     loads = list(zip(case.load.fluid_pressure, texts, strict=False))
     return [
-        text for pressure in required for known, text in loads if math.isclose(pressure, known, rel_tol=1e-9)
+        text for pressure in pressures for old, text in loads if math.isclose(pressure, old, rel_tol=1e-9)
     ][: len(loads)]

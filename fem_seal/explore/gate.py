@@ -43,7 +43,7 @@ def new_token() -> str:
     return secrets.token_urlsafe(24)
 
 
-def guard(page: Dash, port: int, token: str, failed: Callable[[BaseException], None]) -> None:
+def guard(page: Dash, port: int, token: str, report: Callable[[BaseException], None]) -> None:
     """Answer nobody but the page in the browser of this user, with headers that keep it to itself.
 
     Parameters
@@ -53,26 +53,26 @@ def guard(page: Dash, port: int, token: str, failed: Callable[[BaseException], N
     port : int
     token : str
         Of the address.
-    failed : callable
+    report : callable
         Gets what went wrong in the page itself.
     """
     _answer_those_who_know(page, port, token)
     _send_headers(page)
-    _refuse_in_one_line(page, failed)
+    _refuse_in_one_line(page, report)
 
 
 def _answer_those_who_know(page: Dash, port: int, token: str) -> None:
     page.server.config["MAX_CONTENT_LENGTH"] = _LARGEST
     names = {f"{host}:{port}" for host in (HOST, "localhost")}
     # another secret than the token: that can be seen among the arguments of a browser that is being opened
-    cookie, known = f"fem-seal-{port}", new_token()
+    cookie, secret = f"fem-seal-{port}", new_token()
 
     @page.server.before_request
     def check() -> None:
         origin = request.headers.get("Origin", "")
         if request.host not in names or (origin and origin.removeprefix("http://") not in names):
             abort(403, "this page answers only itself")
-        if _same(request.cookies.get(cookie, ""), known):
+        if _same(request.cookies.get(cookie, ""), secret):
             return
         if request.path != "/" or not _same(request.args.get("token", ""), token):
             abort(403, _NAMELESS)
@@ -83,13 +83,13 @@ def _answer_those_who_know(page: Dash, port: int, token: str) -> None:
     @page.server.after_request
     def remember(response: Response) -> Response:
         if request.environ.get("fem-seal.opened"):
-            response.set_cookie(cookie, known, httponly=True, samesite="Strict")
+            response.set_cookie(cookie, secret, httponly=True, samesite="Strict")
             response.headers["Cache-Control"] = "no-store"
         return response
 
 
-def _same(sent: str, other: str) -> bool:
-    return hmac.compare_digest(sent.encode(), other.encode())
+def _same(token: str, expected: str) -> bool:
+    return hmac.compare_digest(token.encode(), expected.encode())
 
 
 def own_connection(theirs: object, ours: int) -> bool:
@@ -155,7 +155,7 @@ def register_callback(page: Dash, *wiring: Any, **options: Any) -> Callable[[Cal
     return register
 
 
-def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> None:
+def _refuse_in_one_line(page: Dash, report: Callable[[BaseException], None]) -> None:
     def line(code: int, text: str) -> Response:
         return Response(f"{printable(text)}\n", code, mimetype="text/plain")
 
@@ -169,7 +169,7 @@ def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> 
             # what dash makes of a question that it did not write
             return line(400, "this is no question of the page")
         cause = error.__cause__ or error if isinstance(error, DefectError) else error
-        failed(cause)
+        report(cause)
         return line(500, unexpected(cause))
 
     # dash has an answer of its own to some of them
@@ -205,7 +205,7 @@ class PageRequest(BaseModel):
     wrong: Design = {}
 
 
-class Entered(BaseModel):
+class FieldText(BaseModel):
     """A text that has been typed in.
 
     Parameters
@@ -224,14 +224,14 @@ class Entered(BaseModel):
     at: int
 
 
-def validate(kind: type[T], sent: Any, what: str) -> T:
+def validate(kind: type[T], value: Any, what: str) -> T:
     """A part of a question.
 
     Parameters
     ----------
     kind : type
         That it must be of.
-    sent : object
+    value : object
     what : str
         Its name.
 
@@ -241,7 +241,7 @@ def validate(kind: type[T], sent: Any, what: str) -> T:
         If it is something else.
     """
     try:
-        return TypeAdapter(kind).validate_python(sent, strict=True)
+        return TypeAdapter(kind).validate_python(value, strict=True)
     except ValidationError as error:
         refuse(
             next((str(part) for part in error.errors()[0]["loc"] if part in PageRequest.model_fields), what)

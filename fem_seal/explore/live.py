@@ -51,20 +51,20 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     case = warmed(case)
     whole = SealProblem.of(case)
     numbers = live_loads(whole)
-    found, own = solve_live_loads(case, whole, numbers)
+    evaluation, count = solve_live_loads(case, whole, numbers)
     # the interval of every load is as wide as what its checks find
-    seal = answered(solved_seal(found, case), request := Request(found.solver, SILENT), [OPENING])
-    loads = [load.with_values(validity=load.validity_by(validity_of, found)) for load in seal.loads]
-    failed = {numbers[n]: problem for n, problem in found.solved.problems.items() if n < len(numbers)}
-    missing = [
+    seal = answered(solved_seal(evaluation, case), request := Request(evaluation.solver, SILENT), [OPENING])
+    loads = [load.with_values(validity=load.validity_by(validity_of, evaluation)) for load in seal.loads]
+    failures = {numbers[n]: problem for n, problem in evaluation.solved.problems.items() if n < len(numbers)}
+    missing_loads = [
         MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)
-        for n, problem in sorted({**whole.loads.refused, **failed}.items())
+        for n, problem in sorted({**whole.loads.refused, **failures}.items())
     ]
     seal = answered(
-        replace(seal, loads=tuple(loads[:own]), not_calculated=tuple(missing)), request, [VERDICT]
+        replace(seal, loads=tuple(loads[:count]), not_calculated=tuple(missing_loads)), request, [VERDICT]
     )
     solution = SealSolution(**vars(seal), answers=request.answers)
-    return screen_of(solution, design, between=tuple(shown_load(load, case) for load in loads[own:]))
+    return screen_of(solution, design, curve_loads=tuple(shown_load(load, case) for load in loads[count:]))
 
 
 def live_loads(whole: SealProblem) -> list[int]:
@@ -77,12 +77,12 @@ def live_loads(whole: SealProblem) -> list[int]:
     """
     points = whole.loads.points
     numbers = [number for number in range(len(points)) if number not in whole.loads.refused]
-    most = _LIVE_LOADS_OF_GAS if _of_gas(whole) else _LIVE_LOADS
-    if whole.follows_path or len(numbers) <= most:
+    limit = _LIVE_LOADS_OF_GAS if _of_gas(whole) else _LIVE_LOADS
+    if whole.follows_path or len(numbers) <= limit:
         return numbers
     highest = max(numbers, key=lambda n: points[n])
-    steps = (len(numbers) - 1) / (most - 2)
-    return sorted({highest, *(numbers[round(n * steps)] for n in range(most - 1))})
+    steps = (len(numbers) - 1) / (limit - 2)
+    return sorted({highest, *(numbers[round(n * steps)] for n in range(limit - 1))})
 
 
 def solve_live_loads(case: Case, whole: SealProblem, numbers: Sequence[int]) -> tuple[Evaluation, int]:
@@ -96,15 +96,15 @@ def solve_live_loads(case: Case, whole: SealProblem, numbers: Sequence[int]) -> 
     numbers : sequence of int
         Of the loads.
     """
-    gone = [number for number in range(len(whole.loads.points)) if number not in numbers]
-    loads = replace(whole.loads.without(gone), target_leak_rate=None)
+    others = [number for number in range(len(whole.loads.points)) if number not in numbers]
+    loads = replace(whole.loads.without(others), target_leak_rate=None)
     if load_seconds(case) < _FILLS:
         # of a gas, and of a seal that is not round, each takes several times as long
         shares = _SHARES if case.form is None and not _of_gas(whole) else (0.5,)
-        between = _fill_curve(loads.points, shares, _FEW if case.form is None else 1)
-        loads = replace(loads, points=(*loads.points, *between))
-    found = evaluate(replace(whole, loads=loads), SOURCE)
-    return found, len(numbers) - sum(number < len(numbers) for number in found.solved.failures)
+        fill = _fill_curve(loads.points, shares, _FEW if case.form is None else 1)
+        loads = replace(loads, points=(*loads.points, *fill))
+    evaluation = evaluate(replace(whole, loads=loads), SOURCE)
+    return evaluation, len(numbers) - sum(number < len(numbers) for number in evaluation.solved.failures)
 
 
 def _of_gas(problem: SealProblem) -> bool:
@@ -112,15 +112,15 @@ def _of_gas(problem: SealProblem) -> bool:
 
 
 def _fill_curve(
-    points: Sequence[tuple[float, float]], shares: Sequence[float], most: int
+    points: Sequence[tuple[float, float]], shares: Sequence[float], limit: int
 ) -> list[tuple[float, float]]:
     """Loads that fill a curve of at most so many pressures; none where the force changes, too."""
     force = points[0][1]
-    if len({applied for _, applied in points}) > 1 or len({pressure for pressure, _ in points}) > most:
+    if len({f for _, f in points}) > 1 or len({pressure for pressure, _ in points}) > limit:
         return []
     highest = max(pressure for pressure, _ in points)
     return [
         (share * highest, force)
         for share in shares
-        if all(abs(share * highest - other) > 0.08 * highest for other, _ in points)
+        if all(abs(share * highest - pressure) > 0.08 * highest for pressure, _ in points)
     ]

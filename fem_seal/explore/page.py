@@ -22,7 +22,7 @@ from fem_seal.case.case import case_text, free_name, write_case
 from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, apply_choice, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
-from fem_seal.explore.gate import Design, Entered, PageRequest, refuse, register_callback, validate
+from fem_seal.explore.gate import Design, FieldText, PageRequest, refuse, register_callback, validate
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
@@ -52,10 +52,10 @@ def elements(macro: str, **values: Any) -> list[Any]:
 
 
 def _children(parent: Element) -> list[Any]:
-    found: list[Any] = [parent.text]
+    parts: list[Any] = [parent.text]
     for element in parent:
-        found += [_element(element), element.tail]
-    return [part for part in found if not (part is None or (isinstance(part, str) and not part.strip()))]
+        parts += [_element(element), element.tail]
+    return [part for part in parts if not (part is None or (isinstance(part, str) and not part.strip()))]
 
 
 def _element(element: Element) -> Any:
@@ -157,11 +157,11 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
 
 
 def _signature(
-    screen: Screen, state: str, wrong: Design, lost: str, pins: object, dark: object, pinned: Sequence[Screen]
+    screen: Screen, state: str, wrong: Design, loss: str, pins: object, dark: object, others: Sequence[Screen]
 ) -> str:
     """What changes where the page is drawn anew."""
-    looks = [pins or [], bool(dark), [design.complete for design in pinned]]
-    return json.dumps([screen.design, state, wrong, lost, screen.sensitivities, *looks])
+    looks = [pins or [], bool(dark), [design.complete for design in others]]
+    return json.dumps([screen.design, state, wrong, loss, screen.sensitivities, *looks])
 
 
 def _meta(session: Session) -> dict[str, Any]:
@@ -179,7 +179,7 @@ def _controls(session: Session, case: Case) -> dict[str, Any]:
     factors, slow = session.factors, session.slow(session.base)
     return {
         "factors": factors,
-        "remarks": [*factors.left_out, *([slow_words(slow)] if slow else [])],
+        "remarks": [*factors.notes, *([slow_words(slow)] if slow else [])],
         # sliders of Dash 4 come with a field for their number, which here would be that of a stop
         "own_input": "allow_direct_input" in dcc.Slider().available_properties,
         "choices": choices_of(case),
@@ -222,9 +222,9 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
 
     @register_callback(app, Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))
-    def ask_for_news(_: Any, before: Any) -> int:
+    def ask_for_news(_: Any, last_news: Any) -> int:
         # a question of its own, which takes no time: the answer of the other one is never overtaken by it
-        if answers.news == before:
+        if answers.news == last_news:
             raise PreventUpdate
         return answers.news
 
@@ -246,49 +246,49 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         Input("dark", "data"),
         State("shown", "data"),
     )
-    def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
-        if not sent or dark is None:
+    def follow(request_data: Any, _: Any, pins: Any, dark: Any, state_data: Any) -> Any:
+        if not request_data or dark is None:
             raise PreventUpdate
-        asked = validate(PageRequest, sent, "asked")
-        session = _session(answers, asked.design)
+        request = validate(PageRequest, request_data, "asked")
+        session = _session(answers, request.design)
         factors = session.factors
-        shown = validate(dict[str, Any], shown or {}, "shown")
-        before = validate(Design, shown.get("design") or {}, "shown")
-        screen = answers.answer(asked.design, asked.page, asked.number)
+        state_data = validate(dict[str, Any], state_data or {}, "shown")
+        old_design = validate(Design, state_data.get("design") or {}, "shown")
+        screen = answers.answer(request.design, request.page, request.number)
         if screen is None:
             raise PreventUpdate
         if not screen.complete and not screen.problem:
-            _settle_later(answers, asked)
-        pinned = [answers.screen(design) for design in _place_pins(answers, pins).values()]
-        state, lost = _state(screen, answers), answers.loss_message
-        signature = _signature(screen, state, asked.wrong, lost, pins, dark, pinned)
-        now = {"signature": signature, "number": asked.number, "design": before}
+            _settle_later(answers, request)
+        pin_screens = [answers.screen(design) for design in _place_pins(answers, pins).values()]
+        state, loss = _state(screen, answers), answers.loss_message
+        signature = _signature(screen, state, request.wrong, loss, pins, dark, pin_screens)
+        mark = {"signature": signature, "number": request.number, "design": old_design}
         # those of the page, which may have other sliders by now
         keys = [row["id"]["key"] for row in ctx.outputs_grouping["rows"]]
         several = {"figures": len(_PICTURES), "wrong": len(keys), "rows": len(keys)}
-        unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
-        if signature == shown.get("signature"):
-            return {**unchanged, "shown": now}
-        wrong = {**refused_words(screen, before), **factors.find_errors(asked.wrong)}
-        found = {
-            **unchanged,
+        unchanged_outputs = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
+        if signature == state_data.get("signature"):
+            return {**unchanged_outputs, "shown": mark}
+        wrong = {**refused_words(screen, old_design), **factors.find_errors(request.wrong)}
+        values = {
+            **unchanged_outputs,
             "wrong": [wrong.get(key, "") for key in keys],
             "rows": ["row not-taken" if key in wrong else "row" for key in keys],
-            "lost": lost,
+            "lost": loss,
             "state": state,
         }
         if screen.problem:
             # what was there before stays, faded
-            faded = still_words(factors, screen.design, before)
-            said = [f"{screen.problem}.", faded, not_taken_words(factors, before, asked.wrong)]
-            problem = " ".join(filter(None, said))
-            return {**found, "problem": problem, "results": "results stale", "warnings": [], "shown": now}
-        designs = designs_shown(screen, pinned)
+            note = still_words(factors, screen.design, old_design)
+            sentences = [f"{screen.problem}.", note, not_taken_words(factors, old_design, request.wrong)]
+            problem = " ".join(filter(None, sentences))
+            return {**values, "problem": problem, "results": "results stale", "warnings": [], "shown": mark}
+        designs = designs_shown(screen, pin_screens)
         with shown_in(*session.base_design.display_units):
-            drawn = figures(designs, bool(dark))
+            pictures = figures(designs, bool(dark))
             return {
-                **found,
-                "figures": [drawn[key].plain() for key in _PICTURES],
+                **values,
+                "figures": [pictures[key].plain() for key in _PICTURES],
                 **{
                     name: elements(name, now=designs[0])
                     for name in ("verdict", "numbers", "sensitivities", "warnings")
@@ -300,21 +300,21 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                     rows=_input_rows(answers, [design.screen for design in designs]),
                     most=len(PINS),
                 ),
-                "problem": not_taken_words(factors, screen.design, asked.wrong),
+                "problem": not_taken_words(factors, screen.design, request.wrong),
                 "results": "results",
-                "shown": {**now, "design": screen.design},
+                "shown": {**mark, "design": screen.design},
             }
 
 
 def _input_rows(answers: Answers, screens: Sequence[Screen]) -> dict[str, list[str]]:
     """What is chosen and moved in several designs, by the labels for people."""
     inputs = [answers.of(screen.design).inputs(screen.design) for screen in screens]
-    return {label: [own.get(label, "") for own in inputs] for each in inputs for label in each}
+    return {label: [labels.get(label, "") for labels in inputs] for each in inputs for label in each}
 
 
-def _settle_later(answers: Answers, asked: PageRequest) -> None:
+def _settle_later(answers: Answers, request: PageRequest) -> None:
     """Begin with the complete run when nothing newer was asked for a while."""
-    timer = threading.Timer(_REST, answers.rest, (asked.design, asked.page, asked.number))
+    timer = threading.Timer(_REST, answers.rest, (request.design, request.page, request.number))
     timer.daemon = True
     timer.start()
 
@@ -324,10 +324,10 @@ def _state(screen: Screen, answers: Answers) -> str:
         return ""
     if screen.complete:
         return "the numbers of fem-seal run"
-    if given_up := answers.failure_reason(screen.design):
-        return f"live, without a complete run: {given_up}"
-    if screen.waiting:
-        return f"calculating: {screen.waiting}"
+    if reason := answers.failure_reason(screen.design):
+        return f"live, without a complete run: {reason}"
+    if screen.delay:
+        return f"calculating: {screen.delay}"
     return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."
 
 
@@ -351,12 +351,12 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         State("meta", "data"),
         prevent_initial_call=True,
     )
-    def judge(entered: Any, meta: Any) -> Any:
-        if not entered:
+    def judge(entry_data: Any, meta: Any) -> Any:
+        if not entry_data:
             raise PreventUpdate
-        entered = validate(dict[str, Any], entered, "entered")
-        fields = validate(dict[str, Entered], entered.get("fields"), "entered")
-        typed: dict[str, Any] = {}
+        entry_data = validate(dict[str, Any], entry_data, "entered")
+        fields = validate(dict[str, FieldText], entry_data.get("fields"), "entered")
+        texts: dict[str, Any] = {}
         factors = _session(answers, validate(dict[str, Any], meta, "meta")).factors
         for factor in factors.sliders:
             if (field := fields.get(factor.key)) is None:
@@ -365,10 +365,10 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                 # it stays in its field, beside what is calculated with
                 if not 0 <= field.at < len(factor.stops):
                     refuse("entered")
-                typed[factor.key] = {"at": field.at, "text": field.before, "wrong": field.text}
+                texts[factor.key] = {"at": field.at, "text": field.before, "wrong": field.text}
             else:
-                typed[factor.key] = {"at": factor.nearest(field.text), "text": field.text}
-        return {"number": entered.get("number"), "typed": typed}
+                texts[factor.key] = {"at": factor.nearest(field.text), "text": field.text}
+        return {"number": entry_data.get("number"), "typed": texts}
 
     app.clientside_callback(
         scripts["judged"],
@@ -398,16 +398,16 @@ def _choose(app: Dash, answers: Answers) -> None:
         State("present", "data"),
         prevent_initial_call=True,
     )
-    def choose(*sent: Any) -> Any:
-        back, present = sent[-2:]
-        done, said = _read_actions(), ""
+    def choose(*states: Any) -> Any:
+        back, present = states[-2:]
+        acts, message = _read_actions(), ""
         design = validate(PageRequest, present, "present").design
         session = _session(answers, design)
-        who = next((element for element, _ in done), None)
+        who = next((element for element, _ in acts), None)
         if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
             try:
                 case = session.case(design)
-                asks = _list_choices(case, done)
+                asks = _list_choices(case, acts)
                 if not asks:
                     raise PreventUpdate
                 for key, value in asks:
@@ -415,7 +415,7 @@ def _choose(app: Dash, answers: Answers) -> None:
                 session = answers.open_case(case)
                 design = session.design({})
             except SealError as error:
-                said = str(error)
+                message = str(error)
         elif who is None:
             raise PreventUpdate
         elif who == "reset":
@@ -424,34 +424,34 @@ def _choose(app: Dash, answers: Answers) -> None:
         else:
             design = validate(Design, back, "back")
             session = _session(answers, design)
-        return *_shown_controls(session, design, said), {}
+        return *_shown_controls(session, design, message), {}
 
 
-def _list_choices(case: Case, done: Sequence[tuple[Any, Any]]) -> list[tuple[str, str]]:
+def _list_choices(case: Case, acts: Sequence[tuple[Any, Any]]) -> list[tuple[str, str]]:
     """Keys and values of all that is chosen otherwise than in a case; what was done last comes last.
 
     A browser that asks again before it has an answer takes no notice of that, and tells only what was done since.
     """
-    shown = {choice.key: choice.value for several in choices_of(case).values() for choice in several}
+    old_values = {choice.key: choice.value for several in choices_of(case).values() for choice in several}
     try:
-        there = [
+        values = [
             (control["id"], control.get("value")) for several in ctx.inputs_list[:2] for control in several
         ]
         asks = [
             (str(control["key"]), str(value or ""))
-            for control, value in [*there, *reversed(done)]
+            for control, value in [*values, *reversed(acts)]
             if _is_choice(control) or value
         ]
     except (AttributeError, KeyError, TypeError):
         refuse("inputs")
     # a later one of the same key takes the place of the first
-    last = {key: value for key, value in asks if shown.get(key) != value}
-    newest = [str(control["key"]) for control, _ in reversed(done) if isinstance(control, dict)]
-    return sorted(last.items(), key=lambda ask: newest.index(ask[0]) if ask[0] in newest else -1)
+    changes = {key: value for key, value in asks if old_values.get(key) != value}
+    newest = [str(control["key"]) for control, _ in reversed(acts) if isinstance(control, dict)]
+    return sorted(changes.items(), key=lambda ask: newest.index(ask[0]) if ask[0] in newest else -1)
 
 
 def _shown_controls(
-    session: Session, design: Design, said: str
+    session: Session, design: Design, message: str
 ) -> tuple[Any, dict[str, Any], dict[str, Any]]:
     """Controls of a design, what scripts know of its case, and its texts."""
     factors = session.factors
@@ -459,9 +459,9 @@ def _shown_controls(
     if factors.find_errors(design):
         refuse("design")
     at = {factor.key: factor.nearest(design[factor.key]) for factor in factors.sliders}
-    typed = {key: {"at": place, "text": design[key]} for key, place in at.items()}
-    made = elements("controls", **_controls(session, session.case(design)), said=said, at=at, texts=design)
-    return made, _meta(session), typed
+    fields = {key: {"at": place, "text": design[key]} for key, place in at.items()}
+    page = elements("controls", **_controls(session, session.case(design)), said=message, at=at, texts=design)
+    return page, _meta(session), fields
 
 
 def _session(answers: Answers, design: Mapping[str, Any]) -> Session:
@@ -471,17 +471,17 @@ def _session(answers: Answers, design: Mapping[str, Any]) -> Session:
     return answers.of(design)
 
 
-def _read_pins(sent: Any) -> list[Design]:
+def _read_pins(pin_data: Any) -> list[Design]:
     """Designs that a page has pinned, no more than it can show."""
-    pinned = validate(list[Design], sent or [], "pins")
-    if len(pinned) > len(PINS):
+    pins = validate(list[Design], pin_data or [], "pins")
+    if len(pins) > len(PINS):
         refuse("pins")
-    return pinned
+    return pins
 
 
-def _place_pins(answers: Answers, sent: Any) -> dict[int, Design]:
+def _place_pins(answers: Answers, places: Any) -> dict[int, Design]:
     """Pinned designs by their places; a tab may have pinned some of a page that was here before."""
-    return {number: design for number, design in enumerate(_read_pins(sent)) if answers.knows_case(design)}
+    return {number: design for number, design in enumerate(_read_pins(places)) if answers.knows_case(design)}
 
 
 def _read_actions() -> list[tuple[Any, Any]]:
@@ -491,7 +491,7 @@ def _read_actions() -> list[tuple[Any, Any]]:
     """
     try:
         names = ctx.triggered_prop_ids
-        done = [
+        acts = [
             (names[trigger["prop_id"]], trigger.get("value"))
             for trigger in ctx.triggered
             if trigger["prop_id"] in names
@@ -499,7 +499,7 @@ def _read_actions() -> list[tuple[Any, Any]]:
     except (AttributeError, LookupError, TypeError, ValueError):
         # dash reads what the browser says of it only now
         refuse("changedPropIds")
-    return sorted((act for act in done if act[1] or _is_choice(act[0])), key=lambda act: _is_choice(act[0]))
+    return sorted((act for act in acts if act[1] or _is_choice(act[0])), key=lambda act: _is_choice(act[0]))
 
 
 def _is_choice(who: Any) -> bool:
@@ -518,8 +518,8 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def pin(_: Any, pins: Any, present: Any) -> Any:
         if not _read_actions():
             raise PreventUpdate
-        sent, pins = validate(PageRequest, present, "present").design, _read_pins(pins)
-        design = _session(answers, sent).design(sent)
+        old_design, pins = validate(PageRequest, present, "present").design, _read_pins(pins)
+        design = _session(answers, old_design).design(old_design)
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
 
@@ -544,8 +544,8 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     states = State("name", "value"), State("present", "data")
 
     @on_change(Output("said", "children"), Input("write", "n_clicks"), *states)
-    def write(_: Any, name: Any, sent: Any) -> str:
-        present = validate(PageRequest, sent, "present")
+    def write(_: Any, name: Any, request_data: Any) -> str:
+        present = validate(PageRequest, request_data, "present")
         session = _session(answers, present.design)
         try:
             source = session.base_design.file
@@ -553,20 +553,20 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
             path = write_case(session.case(present.design).written, folder, str(name or ""), remark)
         except (SealError, OSError) as error:
             return f"Not written: {error}"
-        not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
-        return f"Written: {path}. It runs with: fem-seal run {path.name}. {not_taken}".strip()
+        note = not_taken_words(session.factors, session.design(present.design), present.wrong)
+        return f"Written: {path}. It runs with: fem-seal run {path.name}. {note}".strip()
 
     @on_change(Output("download", "data"), Input("take-away", "n_clicks"), *states)
-    def take_away(_: Any, name: Any, sent: Any) -> Any:
-        present = validate(PageRequest, sent, "present")
+    def take_away(_: Any, name: Any, request_data: Any) -> Any:
+        present = validate(PageRequest, request_data, "present")
         text = case_text(_session(answers, present.design).case(present.design).written, folder)
         return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
     said = Output("report-said", "children", allow_duplicate=True)
 
     @on_change(Output("report-folder", "data"), said, Input("report", "n_clicks"), *states)
-    def report(_: Any, name: Any, sent: Any) -> Any:
-        present = validate(PageRequest, sent, "present")
+    def report(_: Any, name: Any, request_data: Any) -> Any:
+        present = validate(PageRequest, request_data, "present")
         session = _session(answers, present.design)
         try:
             target = free_name(folder, str(name or ""), ".out")
@@ -575,8 +575,8 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         except (SealError, OSError) as error:
             return None, f"No report: {error}"
         answers.report(present.design, target)
-        not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
-        return str(target), f"The report is being made in {target} ... {not_taken}".strip()
+        note = not_taken_words(session.factors, session.design(present.design), present.wrong)
+        return str(target), f"The report is being made in {target} ... {note}".strip()
 
     @on_change(Output("report-said", "children"), Input("news", "data"), State("report-folder", "data"))
     def show_report_state(_: Any, target: Any) -> Any:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 # Columns of leak.csv that stand on the page, those of a leak rate among them.
 LEAK = ("leak_rate_m3_per_s", "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
-SHOWN = ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m", "peak_pressure_Pa", "fwhm_m", *LEAK)
+FIELDS = ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m", "peak_pressure_Pa", "fwhm_m", *LEAK)
 _POINTS = 241
 _ARC_STEPS = 24
 
@@ -96,7 +96,7 @@ class ShownProfile:
 
 
 @dataclass(frozen=True)
-class Section:
+class CrossSection:
     """Both bodies in section.
 
     Parameters
@@ -112,7 +112,7 @@ class Section:
         Middle (r, z) of the enlarged picture of the contact, and half its height [m].
     middle : float or None
         Height of the mid-plane of a gasket [m].
-    below : Section or None
+    lower : CrossSection or None
         With the lower flange on both faces of a gasket; None where the flanges are alike.
     """
 
@@ -123,16 +123,16 @@ class Section:
     pressure_side: str
     window: tuple[float, float, float] = (0.0, 0.0, 0.0)
     middle: float | None = None
-    below: Section | None = None
+    lower: CrossSection | None = None
 
     @property
     def rings(self) -> tuple[list[list[tuple[float, float]]], list[list[tuple[float, float]]]]:
         """Corners of closure and seat; of a gasket both flanges, and both halves."""
         both = ([self.closure], [self.seat])
-        below = self.below or self
-        if self.middle is not None and below.middle is not None:
-            for rings, corners in zip(both, (below.closure, below.seat), strict=True):
-                rings.append([(r, self.middle + below.middle - z) for r, z in corners])
+        lower = self.lower or self
+        if self.middle is not None and lower.middle is not None:
+            for rings, corners in zip(both, (lower.closure, lower.seat), strict=True):
+                rings.append([(r, self.middle + lower.middle - z) for r, z in corners])
         return both
 
 
@@ -146,24 +146,24 @@ class Screen:
         From keys of factors to texts.
     loads : tuple of ShownLoad
         In the order of the case.
-    shown : int
+    load_number : int
         Number of the load whose profile and numbers are shown: that with the highest fluid pressure.
     profile : ShownProfile or None
-    section : Section or None
+    section : CrossSection or None
     complete : bool
         Whether these are the numbers of `fem-seal run`.
-    waiting : str
+    delay : str
         What is still being calculated; empty if nothing is.
     warnings : tuple of str
     problem : str
         Why there is nothing to show; empty if there is.
     wrong : dict
         From keys of factors to what is wrong with their values, where the problem is that of one.
-    between : tuple of ShownLoad
+    curve_loads : tuple of ShownLoad
         Further loads that fill the curve; the case does not have them.
     verdict : str
         Such as "pass"; empty without a requirement, and while its interval is not there.
-    told : tuple of str
+    remarks : tuple of str
         The verdict in sentences, or the next class.
     facts : tuple of tuple
         Name, value and remark of what it rests on.
@@ -179,16 +179,16 @@ class Screen:
 
     design: dict[str, str]
     loads: tuple[ShownLoad, ...] = ()
-    shown: int = 0
+    load_number: int = 0
     profile: ShownProfile | None = None
-    section: Section | None = None
+    section: CrossSection | None = None
     complete: bool = False
-    waiting: str = ""
+    delay: str = ""
     warnings: tuple[str, ...] = ()
     problem: str = ""
-    between: tuple[ShownLoad, ...] = ()
+    curve_loads: tuple[ShownLoad, ...] = ()
     verdict: str = ""
-    told: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     facts: tuple[tuple[str, str, str], ...] = ()
     limits: tuple[tuple[str, float], ...] = ()
     widens: bool = False
@@ -199,10 +199,10 @@ class Screen:
     @property
     def load(self) -> ShownLoad | None:
         """The load whose numbers are shown."""
-        return self.loads[self.shown] if self.loads else None
+        return self.loads[self.load_number] if self.loads else None
 
 
-def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) -> Screen:
+def screen_of(solution: SealSolution, design: Mapping[str, str], **fields: Any) -> Screen:
     """What is shown of a solved case.
 
     Parameters
@@ -217,14 +217,14 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
     # what is not known of a case widens the interval of a complete run, so that no verdict comes before it
     bolts, finishes = solution.problem.loads.bolts, case.roughness and case.roughness.finishes
     unknown = case.uncertainty is not None or bool(finishes or (bolts and bolts.scatter))
-    widens = unknown and not more.get("complete")
+    widens = unknown and not fields.get("complete")
     return Screen(
         dict(design),
         tuple(shown_load(load, case) for load in loads),
         number,
         profile_of(loads[number], case),
         section_of(case),
-        **({} if widens else _judge_solution(solution, complete=more.get("complete", False))),
+        **({} if widens else _judge_solution(solution, complete=fields.get("complete", False))),
         widens=widens,
         limits=tuple(
             (limit.name, limit.leak_rate / limit.ratio[1])
@@ -232,7 +232,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
             if not limit.visible
         ),
         volume=volume_of(case),
-        **more,
+        **fields,
     )
 
 
@@ -250,26 +250,26 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     if not result.problem.leaks:
         return ()
     at = f"at {load_of(result)} " if len(result.loads) > 1 else ""
-    found = tuple(
+    texts = tuple(
         f"{at}{in_words(result.case, sensitivity)}"
         for sensitivity in shown_sensitivities(result.sensitivities)
     )
     reason = "yields" if result.problem.follows_path else "follow" if follow else "none"
-    return found or (own_tables("explore.toml")["sensitivities"][reason],)
+    return texts or (own_tables("explore.toml")["sensitivities"][reason],)
 
 
 def _judge_solution(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     if solution.judgement is None:
-        told = "" if solution.highest.leak is None else next_class_of(solution)
-        return {"told": (told,) if told else ()}
-    required = solution.case.requirement
-    follow = required is not None and required.test == "standard" and not complete
+        text = "" if solution.highest.leak is None else next_class_of(solution)
+        return {"remarks": (text,) if text else ()}
+    requirement = solution.case.requirement
+    follow = requirement is not None and requirement.test == "standard" and not complete
     service = (own_tables("explore.toml")["verdict"]["service"],) if follow else ()
     word = worst_verdict(solution)
     return {
         # service loads that pass decide nothing while the tests are not there
         "verdict": "" if follow and word in (Verdict.PASS, Verdict.PASS_UNLESS) else str(word),
-        "told": (*service, *verdict_sentences(solution)),
+        "remarks": (*service, *verdict_sentences(solution)),
         "facts": tuple(verdict_facts(solution)),
     }
 
@@ -283,12 +283,12 @@ def shown_load(load: CaseLoad, case: Case) -> ShownLoad:
     case : Case
     """
     return ShownLoad(
-        {name: COLUMNS[name].number(load) for name in SHOWN},
+        {name: COLUMNS[name].number(load) for name in FIELDS},
         load.applied_force,
         str(load.validity.level),
         load.validity.reasons,
-        tuple(str(met) for met in leakage_classes(case, load)),
-        {name: COLUMNS[name].digits(load) for name in SHOWN},
+        tuple(str(name) for name in leakage_classes(case, load)),
+        {name: COLUMNS[name].digits(load) for name in FIELDS},
         dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), hardest_land(load) if len(load.profiles) > 1 else ""),
     )
 
@@ -321,8 +321,8 @@ def profile_of(load: CaseLoad, case: Case) -> ShownProfile:
     step = max(1, (stop - start) // _POINTS)
 
     def thin_values(values: FloatArray) -> list[float]:
-        found: list[float] = np.asarray(values, dtype=float)[start:stop:step].tolist()
-        return found
+        numbers: list[float] = np.asarray(values, dtype=float)[start:stop:step].tolist()
+        return numbers
 
     fluid = vars(load).get("leak_round")
     pressure = None if fluid is None else fluid.fluid_pressure
@@ -335,7 +335,7 @@ def profile_of(load: CaseLoad, case: Case) -> ShownProfile:
     )
 
 
-def section_of(case: Case) -> Section:
+def section_of(case: Case) -> CrossSection:
     """Both bodies of a case in first touch.
 
     Parameters
@@ -344,7 +344,7 @@ def section_of(case: Case) -> Section:
     """
     contact, window = case.contact, contact_window(case)
     touch = complex(contact.initial_contact_radius)
-    return Section(
+    return CrossSection(
         _corners(contact.closure, touch, window[2]),
         _corners(contact.seat, touch, window[2]),
         contact.initial_contact_radius,
@@ -358,19 +358,19 @@ def section_of(case: Case) -> Section:
 
 def _corners(outline: Outline, touch: complex, half: float) -> list[tuple[float, float]]:
     """Corners of an outline, arcs in short chords; around the touch, which is enlarged, in shorter ones."""
-    found: list[tuple[float, float]] = []
+    corners: list[tuple[float, float]] = []
     for segment in outline.segments:
         if segment.centre is None:
-            found.append((float(segment.start[0]), float(segment.start[1])))
+            corners.append((float(segment.start[0]), float(segment.start[1])))
             continue
         # r + i z, turned about the centre
         centre, arm = complex(*segment.centre), complex(*segment.start) - complex(*segment.centre)
         at = float(np.angle((touch - centre) / arm)) / segment.sweep if touch != centre else 0.0
-        near = at + np.linspace(-2, 2, 4 * _ARC_STEPS) * half / abs(arm * segment.sweep)
-        shares = np.union1d(np.arange(_ARC_STEPS) / _ARC_STEPS, near[(near > 0) & (near < 1)])
+        dense = at + np.linspace(-2, 2, 4 * _ARC_STEPS) * half / abs(arm * segment.sweep)
+        shares = np.union1d(np.arange(_ARC_STEPS) / _ARC_STEPS, dense[(dense > 0) & (dense < 1)])
         points = centre + arm * np.exp(1j * segment.sweep * shares)
-        found += zip(points.real.tolist(), points.imag.tolist(), strict=True)
-    return found
+        corners += zip(points.real.tolist(), points.imag.tolist(), strict=True)
+    return corners
 
 
 @dataclass(frozen=True)
@@ -385,7 +385,7 @@ class Number:
         What it is.
     value : str
         With unit.
-    more : str
+    remark : str
         A remark below it.
     si : float or None
         The number itself in SI.
@@ -394,7 +394,7 @@ class Number:
     name: str
     what: str
     value: str
-    more: str = ""
+    remark: str = ""
     si: float | None = None
 
 
@@ -430,10 +430,10 @@ def leak_words(load: ShownLoad, volume: units.LeakVolume) -> str:
     rate, low, high = (load.values[name] for name in LEAK)
     if not math.isfinite(rate) and not math.isfinite(low):
         return "–"
-    digits, claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
+    digits, is_claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
     if math.isfinite(low) and math.isfinite(high):
-        return units.leak_range_text((low, high), digits, claimed=claimed, volume=volume)
-    return units.leak_rate_text(rate, digits, claimed=claimed, volume=volume)
+        return units.leak_range_text((low, high), digits, claimed=is_claimed, volume=volume)
+    return units.leak_rate_text(rate, digits, claimed=is_claimed, volume=volume)
 
 
 def numbers_of(screen: Screen) -> list[Number]:
@@ -448,20 +448,20 @@ def numbers_of(screen: Screen) -> list[Number]:
         return []
     values = load.values
     at = f"at {units.format_quantity('fluid pressure', values['fluid_pressure_Pa'])}"
-    more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
+    remarks = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
     rate = values["leak_rate_m3_per_s"]
-    found = [Number("leak", "leak rate", leak_words(load, screen.volume), more, rate)]
+    numbers = [Number("leak", "leak rate", leak_words(load, screen.volume), remarks, rate)]
     for name, words in own_tables("explore.toml")["numbers"].items():
         column = words["column"]
         value = units.quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
         remark = load.remarks.get(column) or words["more"]
-        found.append(Number(name, words["what"], value, remark, values[column]))
+        numbers.append(Number(name, words["what"], value, remark, values[column]))
     if load.classes and preliminary_words(screen):
         # a class is met by a whole interval or not at all
-        found.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))
+        numbers.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))
     elif load.classes:
-        found.append(Number("classes", "leakage class", load.classes[0], ", ".join(load.classes[1:])))
-    return found
+        numbers.append(Number("classes", "leakage class", load.classes[0], ", ".join(load.classes[1:])))
+    return numbers
 
 
 def preliminary_words(screen: Screen) -> str:
@@ -503,30 +503,30 @@ def slow_words(seconds: float) -> str:
     return f"Each change takes about {units.duration(seconds)}; it is calculated when the sliders rest."
 
 
-def lost_words(code: int | None, *, again: bool) -> str:
+def lost_words(code: int | None, *, has_successor: bool) -> str:
     """What became of a process of the page.
 
     Parameters
     ----------
     code : int or None
         With which it ended, minus the number of the signal that killed it; None if it was ended because it hung.
-    again : bool
+    has_successor : bool
         Whether another one does its work.
     """
     if code is None:
-        how = "did not come to an end and was stopped"
+        end = "did not come to an end and was stopped"
     elif code >= 0:
-        how = f"ended with code {code}"
+        end = f"ended with code {code}"
     else:
-        known = signal.Signals.__members__.values()
-        how = f"was killed ({next((sign.name for sign in known if sign == -code), f'signal {-code}')})"
+        signals = signal.Signals.__members__.values()
+        end = f"was killed ({next((sign.name for sign in signals if sign == -code), f'signal {-code}')})"
     perhaps = "; the system does so where memory runs out" if code == -9 else ""
     follows = (
         "Another one has taken its place and begins its work anew."
-        if again
+        if has_successor
         else "Its work is not tried again by itself."
     )
-    return f"At {time.strftime('%H:%M:%S')} a process of this page {how}{perhaps}. {follows}"
+    return f"At {time.strftime('%H:%M:%S')} a process of this page {end}{perhaps}. {follows}"
 
 
 def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[str, str]) -> str:
@@ -543,30 +543,30 @@ def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[
     labels = {key: label for key, label in factors.labels.items() if key in wrong}
     if not labels:
         return ""
-    refused = "; ".join(f'{label} = "{wrong[key]}"' for key, label in labels.items())
-    return f"Not taken: {refused}. The numbers belong to {_inputs(labels, design)}."
+    entries = "; ".join(f'{label} = "{wrong[key]}"' for key, label in labels.items())
+    return f"Not taken: {entries}. The numbers belong to {_inputs(labels, design)}."
 
 
-def refused_words(screen: Screen, shown: Mapping[str, str]) -> dict[str, str]:
+def refused_words(screen: Screen, design: Mapping[str, str]) -> dict[str, str]:
     """What is said at the fields of a design that cannot be calculated, by the keys of their factors.
 
     Parameters
     ----------
     screen : Screen
-    shown : mapping
+    design : mapping
         The design that is still shown.
     """
     if not screen.problem:
         return {}
-    moved = {
-        key: f"What is shown belongs to {shown[key]}."
+    notes = {
+        key: f"What is shown belongs to {design[key]}."
         for key, text in screen.design.items()
-        if key in shown and shown[key] != text
+        if key in design and design[key] != text
     }
-    return moved | screen.wrong
+    return notes | screen.wrong
 
 
-def still_words(factors: Factors, design: Mapping[str, str], shown: Mapping[str, str]) -> str:
+def still_words(factors: Factors, design: Mapping[str, str], old: Mapping[str, str]) -> str:
     """Which inputs the faded numbers of an earlier design belong to.
 
     Parameters
@@ -574,15 +574,15 @@ def still_words(factors: Factors, design: Mapping[str, str], shown: Mapping[str,
     factors : Factors
     design : mapping
         That cannot be calculated.
-    shown : mapping
+    old : mapping
         That is still shown.
     """
-    other = {
-        key: label for key, label in factors.labels.items() if key in shown and shown[key] != design.get(key)
+    labels = {
+        key: label for key, label in factors.labels.items() if key in old and old[key] != design.get(key)
     }
-    if not other:
+    if not labels:
         return ""
-    return f"The faded numbers and pictures still belong to {_inputs(other, shown)}."
+    return f"The faded numbers and pictures still belong to {_inputs(labels, old)}."
 
 
 def _inputs(labels: Mapping[str, str], design: Mapping[str, str]) -> str:

@@ -22,8 +22,8 @@ def serve(
     case: Case,
     folder: Path,
     port: int,
-    opened: Callable[[str], None],
-    failed: Callable[[BaseException], None],
+    on_start: Callable[[str], None],
+    on_failure: Callable[[BaseException], None],
 ) -> None:
     """Serve the page of a case until it is interrupted.
 
@@ -34,9 +34,9 @@ def serve(
         Where case files and reports are written.
     port : int
         0 takes one that is free.
-    opened : callable
+    on_start : callable
         Gets the address as soon as the page can be opened; without the token in it the page answers nobody.
-    failed : callable
+    on_failure : callable
         Gets what goes wrong in the page itself.
 
     Raises
@@ -51,9 +51,9 @@ def serve(
     if hasattr(signal, "pthread_sigmask"):
         # blocked in all threads that follow: gmsh takes back what is only ignored
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
-    with ExitStack() as ended:
+    with ExitStack() as stack:
         answers = Answers(Session(case))
-        ended.callback(answers.close)
+        stack.callback(answers.close)
         # before the packages of the page are loaded, which takes as long as the first numbers
         answers.begin()
         try:
@@ -69,10 +69,10 @@ def serve(
         page = page_of(answers, folder, case.title or "case")
         logging.getLogger("werkzeug").setLevel(logging.ERROR)
         server = make_server(HOST, port, page.server, threaded=True)
-        ended.callback(server.server_close)
+        stack.callback(server.server_close)
         token = new_token()
-        guard(page, server.server_port, token, failed)
-        opened(f"http://{HOST}:{server.server_port}/?token={token}")
+        guard(page, server.server_port, token, on_failure)
+        on_start(f"http://{HOST}:{server.server_port}/?token={token}")
         with suppress(KeyboardInterrupt):
             server.serve_forever()
 

@@ -67,18 +67,18 @@ class Session:
 
     def slow(self, case: Case) -> float:
         """Estimated processor time of a design [s] where it is too long to follow the sliders; zero where it is not."""
-        found = seconds(case)
-        return found if found > _FOLLOWS else 0.0
+        estimate = seconds(case)
+        return estimate if estimate > _FOLLOWS else 0.0
 
     def design(self, design: Mapping[str, str]) -> dict[str, str]:
         """A design with all that it leaves out."""
-        own = self.factors.base_design | ({"case": self.name} if self.name else {})
-        return own | {key: text.strip() for key, text in design.items() if key in own}
+        base = self.factors.base_design | ({"case": self.name} if self.name else {})
+        return base | {key: text.strip() for key, text in design.items() if key in base}
 
     def inputs(self, design: Mapping[str, str]) -> dict[str, str]:
         """What is chosen and moved in a design, by the labels for people."""
-        chosen = choices_of(self.base)
-        choices = {choice.label: choice.value for group in ("surface", "demand") for choice in chosen[group]}
+        by_row = choices_of(self.base)
+        choices = {choice.label: choice.value for group in ("surface", "demand") for choice in by_row[group]}
         return choices | {
             self.factors.labels[key]: text
             for key, text in self.design(design).items()
@@ -117,7 +117,7 @@ class Session:
             case = self.case(design)
             with shown_in(*case.display_units):
                 if slow := self.slow(case):
-                    return Screen(design, section=section_of(case), waiting=slow_words(slow))
+                    return Screen(design, section=section_of(case), delay=slow_words(slow))
                 return (calculate or _calculate_here)(case, design)
         except InputError as error:
             return Screen(
@@ -141,10 +141,10 @@ class Session:
         """
         design = self.design(design)
         sliders = [factor for factor in self.factors.sliders if factor.group == "surface"]
-        for away in range(1, max((len(factor.stops) for factor in sliders), default=0)):
+        for distance in range(1, max((len(factor.stops) for factor in sliders), default=0)):
             for factor in sliders:
                 at = factor.nearest(design[factor.key])
-                for place in (at + away, at - away):
+                for place in (at + distance, at - distance):
                     if 0 <= place < len(factor.stops):
                         yield {**design, factor.key: factor.stops[place]}
 

@@ -37,9 +37,9 @@ _SCREENS = 256
 # For so long a design of the sliders is calculated, and a run that is left goes on, before it is taken to hang [s].
 _PATIENCE = 60.0
 # For so long the page says that a process was replaced [s].
-_TOLD_FOR = 60.0
+_NOTICE_TIME = 60.0
 # Designs with another surface that are calculated ahead while the sliders rest: their conductivities take longest.
-_AHEAD = 40
+_NEIGHBOURS = 40
 
 
 @dataclass(frozen=True)
@@ -79,12 +79,12 @@ class Calculator:
     ----------
     work : callable
         Makes in the process what calculates: `live_work` or `complete_work`.
-    told : callable
+    notify : callable
         Told in words when a process has ended that was not to.
     """
 
-    def __init__(self, work: Callable[[], Work], told: Callable[[str], None]) -> None:
-        self._work, self._told = work, told
+    def __init__(self, work: Callable[[], Work], notify: Callable[[str], None]) -> None:
+        self._work, self._told = work, notify
         self._calculating, self._lock = Lock(), RLock()
         self._connection: Connection | None = None
         self._process: BaseProcess | None = None
@@ -100,19 +100,19 @@ class Calculator:
             if self._connection is None:
                 context = get_context("fork" if can_copy() else "spawn")
                 mine, theirs = context.Pipe()
-                given = (self._work, theirs, mine)
-                process = context.Process(target=_serve, args=given, daemon=True)  # type: ignore[attr-defined]
+                ends = (self._work, theirs, mine)
+                process = context.Process(target=_serve, args=ends, daemon=True)  # type: ignore[attr-defined]
                 process.start()
                 theirs.close()
                 self._connection, self._process = mine, process
 
-    def screens(self, calculation: Calculation, within: float = math.inf) -> Iterator[Screen]:
+    def screens(self, calculation: Calculation, limit: float = math.inf) -> Iterator[Screen]:
         """What a calculation gives, piece by piece.
 
         Parameters
         ----------
         calculation : Calculation
-        within : float
+        limit : float
             Time after which the process is taken to hang [s].
 
         Raises
@@ -123,17 +123,17 @@ class Calculator:
             If it was left.
         """
         with self._calculating:
-            for last in (False, True):
+            for is_last in (False, True):
                 try:
                     self.start()
-                    self._send(calculation, within)
+                    self._send(calculation, limit)
                     while (got := self._receive()) is not None:
                         if isinstance(got, BaseException):
                             raise got
                         yield got
                     return
                 except (EOFError, OSError):
-                    self._say_end(last=last or time.monotonic() > self._deadline)
+                    self._say_end(is_last=is_last or time.monotonic() > self._deadline)
                 finally:
                     self._current = None
 
@@ -151,9 +151,9 @@ class Calculator:
                 self._process.kill()
                 self._process.join(2.0)
 
-    def _send(self, calculation: Calculation | None, within: float) -> None:
+    def _send(self, calculation: Calculation | None, limit: float) -> None:
         with self._lock:
-            self._deadline = time.monotonic() + within
+            self._deadline = time.monotonic() + limit
             self._current = calculation or self._current
             if self._connection is not None:
                 self._connection.send(calculation)
@@ -165,7 +165,7 @@ class Calculator:
                 self._process.kill()
         return self._connection.recv()
 
-    def _say_end(self, *, last: bool) -> None:
+    def _say_end(self, *, is_last: bool) -> None:
         """Say that the process has ended, and after the last one raise it."""
         with self._lock:
             if self._closed or self._connection is None or self._process is None:
@@ -174,10 +174,10 @@ class Calculator:
             self._connection = None
             self._process.join()
             hung = time.monotonic() > self._deadline
-            said = lost_words(None if hung else self._process.exitcode or 0, again=not last)
-        self._told(said)
-        if last:
-            raise LostError(said)
+            message = lost_words(None if hung else self._process.exitcode or 0, has_successor=not is_last)
+        self._told(message)
+        if is_last:
+            raise LostError(message)
 
 
 def _serve(work: Callable[[], Work], mine: Connection, theirs: Connection) -> None:
@@ -222,26 +222,26 @@ def complete_work() -> Work:
     """What makes complete runs, as `fem-seal run` does, and writes reports."""
     from fem_seal.result import run
 
-    last: dict[str, SealResult] = {}
+    results: dict[str, SealResult] = {}
 
-    def calculate(calculation: Calculation, left: Callable[[], bool]) -> Iterator[Screen]:
+    def calculate(calculation: Calculation, has_left: Callable[[], bool]) -> Iterator[Screen]:
         def progress(_: str) -> None:
-            if not calculation.folder and left():
+            if not calculation.folder and has_left():
                 raise LeftError
 
         design, name = calculation.design, str(calculation.design)
         try:
-            if name not in last:
-                last.clear()
-                last[name] = run(calculation.case, progress, sensitivities=False)
+            if name not in results:
+                results.clear()
+                results[name] = run(calculation.case, progress, sensitivities=False)
             # of a path of loads they take too long
-            follow = last[name].problem.leaks and not last[name].problem.follows_path
-            yield complete_screen(design, last[name], follow=follow)
+            follow = results[name].problem.leaks and not results[name].problem.follows_path
+            yield complete_screen(design, results[name], follow=follow)
             if follow:
-                last[name] = with_sensitivities(last[name], progress)
-                yield complete_screen(design, last[name])
+                results[name] = with_sensitivities(results[name], progress)
+                yield complete_screen(design, results[name])
             if calculation.folder:
-                last[name].write(calculation.folder)
+                results[name].write(calculation.folder)
         except Exception as error:
             if calculation.folder:
                 raise
@@ -337,8 +337,8 @@ class Answers:
         """The session of another case."""
         with self._lock:
             name = str(len(self._sessions))
-            made = self._sessions[name] = Session(case, name)
-            return made
+            session = self._sessions[name] = Session(case, name)
+            return session
 
     def knows_case(self, design: Mapping[str, str]) -> bool:
         """Whether the case that a design belongs to is one of this page."""
@@ -349,17 +349,17 @@ class Answers:
         self._designs.start()
         self._first.start()
 
-    def first(self, within: float) -> Screen | None:
+    def first(self, limit: float) -> Screen | None:
         """The first numbers, for a page that begins with the case's own design; None if they take longer.
 
         Parameters
         ----------
-        within : float
+        limit : float
             [s]
         """
         if self.newest is not self.session or self._first.ident is None:
             return None
-        self._first.join(within)
+        self._first.join(limit)
         first = self._live.known(_name(self.session.design({})))
         return None if first is None else self._with_run(first)
 
@@ -403,8 +403,8 @@ class Answers:
         """
         if self._is_at_rest(page, number):
             self.settle(design)
-        for neighbour in islice(self.of(design).neighbours(design), _AHEAD):
-            if not self._is_at_rest(page, number) or self.screen(neighbour).waiting:
+        for neighbour in islice(self.of(design).neighbours(design), _NEIGHBOURS):
+            if not self._is_at_rest(page, number) or self.screen(neighbour).delay:
                 break
 
     def settle(self, design: Mapping[str, str]) -> None:
@@ -428,8 +428,8 @@ class Answers:
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
         """The screen of a design's complete run, if it is there."""
-        found: Screen | None = self._complete.known(_name(self.of(design).design(design)))
-        return found
+        screen: Screen | None = self._complete.known(_name(self.of(design).design(design)))
+        return screen
 
     def failure_reason(self, design: Mapping[str, str]) -> str:
         """Why no complete run of a design follows; empty if one may."""
@@ -438,7 +438,7 @@ class Answers:
     @property
     def loss_message(self) -> str:
         """What became of a process that ended a short while ago; empty if none did."""
-        return self._lost if time.monotonic() - self._lost_at < _TOLD_FOR else ""
+        return self._lost if time.monotonic() - self._lost_at < _NOTICE_TIME else ""
 
     def close(self) -> None:
         """End the processes."""
@@ -460,8 +460,8 @@ class Answers:
         if complete is None:
             return live
         # beside an interval that has been widened, that of the readings alone is none
-        between = tuple(map(without_interval, live.between)) if live.widens else live.between
-        return replace(complete, between=between)
+        curve = tuple(map(without_interval, live.curve_loads)) if live.widens else live.curve_loads
+        return replace(complete, curve_loads=curve)
 
     def _begin(self, calculation: Calculation) -> None:
         """Run a design after what is going on, which is left unless it is a report."""
@@ -492,8 +492,8 @@ class Answers:
             self._settling = {}
         self.news += 1
 
-    def _say(self, lost: str) -> None:
-        self._lost, self._lost_at = lost, time.monotonic()
+    def _say(self, message: str) -> None:
+        self._lost, self._lost_at = message, time.monotonic()
         self.news += 1
 
 

@@ -104,7 +104,7 @@ _WITHOUT_SHARES = ("search", "morris")
 
 
 @dataclass(frozen=True)
-class Section:
+class StudySection:
     """A heading with what stands below it; a broad figure is scrolled where the screen is narrow.
 
     Rows from `first` on are folded under a summary.
@@ -120,7 +120,7 @@ class Section:
     summary: str = ""
 
 
-def sections(designs: designs_table.Designs) -> Iterator[Section]:
+def sections(designs: designs_table.Designs) -> Iterator[StudySection]:
     """All sections that a study has something to show in.
 
     Parameters
@@ -159,7 +159,7 @@ def sections(designs: designs_table.Designs) -> Iterator[Section]:
     yield _columns(display)
 
 
-def _share_sections(display: Display) -> Iterator[Section]:
+def _share_sections(display: Display) -> Iterator[StudySection]:
     designs = display.designs
     if designs.kind not in _WITHOUT_SHARES and designs_table.LEAK_RATE in designs.successes:
         yield from _distribution_section(display)
@@ -168,9 +168,9 @@ def _share_sections(display: Display) -> Iterator[Section]:
 
 def _plot_section(
     heading: str, note: str, figure: Figure | None, *, broad: bool = False
-) -> Iterator[Section]:
+) -> Iterator[StudySection]:
     if figure is not None:
-        yield Section(heading, note, _html(figure), broad=broad)
+        yield StudySection(heading, note, _html(figure), broad=broad)
 
 
 def _html(figure: Figure) -> Any:
@@ -191,7 +191,7 @@ def _html(figure: Figure) -> Any:
     )
 
 
-def _best_section(display: Display) -> Iterator[Section]:
+def _best_section(display: Display) -> Iterator[StudySection]:
     designs = display.designs
     if not designs.about["goals"]:
         return
@@ -201,17 +201,17 @@ def _best_section(display: Display) -> Iterator[Section]:
     yield _table_of("Best designs", note, numbers, columns)
 
 
-def _table_of(heading: str, note: str, numbers: list[int], columns: dict[str, list[str]]) -> Section:
+def _table_of(heading: str, note: str, numbers: list[int], columns: dict[str, list[str]]) -> StudySection:
     """Some designs, a row each, with columns by their labels."""
     rows = tuple(zip(map(str, numbers), *columns.values(), strict=True))
-    return Section(heading, note, columns=("design", *columns), rows=rows)
+    return StudySection(heading, note, columns=("design", *columns), rows=rows)
 
 
 # Designs in the table of how likely each passes.
 _MOST_ROWS, _FEW_ROWS = 500, 10
 
 
-def _passing_section(display: Display) -> Iterator[Section]:
+def _passing_section(display: Display) -> Iterator[StudySection]:
     """Which designs keep the requirement often enough, the likeliest first."""
     designs = display.designs
     if designs_table.PASSES not in designs.successes:
@@ -254,17 +254,17 @@ def left_out_sentence(designs: designs_table.Designs) -> str:
     return str(_words().outside_left_out(designs.left_out))
 
 
-def _sensitivity_sections(display: Display) -> Iterator[Section]:
+def _sensitivity_sections(display: Display) -> Iterator[StudySection]:
     designs = display.designs
     indices = designs_table.sensitivities(designs)
     if not indices and designs.kind in SENSITIVITY:
-        yield Section("Sensitivity", _words().indices_missing())
+        yield StudySection("Sensitivity", _words().indices_missing())
     for index in indices:
         if index.output in designs.informative_outputs:
             yield _index_section(display, index)
 
 
-def _index_section(display: Display, index: designs_table.Sensitivity) -> Section:
+def _index_section(display: Display, index: designs_table.Sensitivity) -> StudySection:
     of, size, unit = plots.scale(display, index)
     title, noise = display.title(index.output), index.noise.tolist()
     if index.method == "morris":
@@ -280,7 +280,7 @@ def _index_section(display: Display, index: designs_table.Sensitivity) -> Sectio
         columns.append([f"× {short_number(factor, 3)}" for factor in np.exp(index.first).tolist()])
         headings.append("mean effect as a factor")
     rows = list(zip(map(display.title, index.parameters), *columns, strict=True))
-    return Section(
+    return StudySection(
         f"Sensitivity of {title}",
         note,
         _html(plots.sensitivity_plot(display, index)),
@@ -294,7 +294,7 @@ def _column(values: FloatArray, of: FloatArray) -> list[str]:
     return [short_number(value, 3) if abs(value) > 1e-9 * of.max() else "0" for value in values.tolist()]
 
 
-def _distribution_section(display: Display) -> Iterator[Section]:
+def _distribution_section(display: Display) -> Iterator[StudySection]:
     figure = plots.distribution_plot(display)
     if figure is None:
         return
@@ -315,7 +315,7 @@ def _distribution_section(display: Display) -> Iterator[Section]:
         texts = [leak_range_text(end, beside=(*rates, *ends)) for end in ends]
         rows = [(*row, text, short_number(end)) for row, text, end in zip(rows, texts, ends, strict=True)]
         note = phrase("interval.ends", "what")
-    yield Section(
+    yield StudySection(
         "Distribution of the leak rate",
         _words().distribution(_design_counts(designs), designs.has_distribution, note),
         _html(figure),
@@ -324,11 +324,11 @@ def _distribution_section(display: Display) -> Iterator[Section]:
     )
 
 
-def _class_section(designs: designs_table.Designs) -> Iterator[Section]:
+def _class_section(designs: designs_table.Designs) -> Iterator[StudySection]:
     if designs.successes[designs_table.LEAK_RATE].dropna().empty:
         return
     shares, both = designs_table.class_shares(designs), bool(designs_table.other_leak_rates(designs))
-    yield Section(
+    yield StudySection(
         "Leakage classes",
         _words().classes(designs.about, _design_counts(designs), bool(shares), both),
         columns=("class", "allowed leak rate", "share of the designs"),
@@ -342,14 +342,14 @@ def _design_counts(designs: designs_table.Designs) -> tuple[int, int, int]:
     return count, len(designs.table) - len(designs.successes), int(designs.is_outside.sum())
 
 
-def _columns(display: Display) -> Section:
+def _columns(display: Display) -> StudySection:
     about = display.designs.about
     rows = [
         (name, display.title(name), display.unit(name).name or "–", display.values_text(name))
         for name in display.designs.parameters
     ]
     rows += [(name, name, "", text) for name, text in {**about["derived"], **about["constraints"]}.items()]
-    return Section(
+    return StudySection(
         "Parameters and formulas",
         "Formulas count in SI units." if len(rows) > len(about["parameters"]) else "",
         columns=("column", "called", "unit", "meaning"),

@@ -47,7 +47,7 @@ def screen_of_page(session: Session) -> Screen:
         # the page waits, however long it takes
         patch.setattr("fem_seal.explore.session._FOLLOWS", math.inf)
         screen = session.answer({})
-    assert not screen.problem and not screen.waiting
+    assert not screen.problem and not screen.delay
     return screen
 
 
@@ -155,8 +155,8 @@ def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
     assert live.facts == (() if live.widens else tuple(one for one in rests.facts if one[0] not in later))
     if example == "test of the standard":
         # which come with the complete answer: until then nothing is claimed
-        assert live.told[0].startswith("Of the service loads only") and live.verdict != "pass"
+        assert live.remarks[0].startswith("Of the service loads only") and live.verdict != "pass"
         return
     # the verdict with its load, leak rate, limit and margin
-    assert live.told[:1] == (() if live.widens else rests.told[:1])
+    assert live.remarks[:1] == (() if live.widens else rests.remarks[:1])
     assert live.verdict == ("" if live.widens else rests.verdict)

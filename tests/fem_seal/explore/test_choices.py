@@ -15,7 +15,7 @@ def test_every_shape_can_take_the_place_of_another(name):
         for one in several:
             other = apply_choice(case, one.key, "1")
             shape = other.table_of(row if row == "closure" else other.key_of("seat")).shape
-            assert (one.key, one.chosen) == (f"{row}.{shape}", one.chosen)
+            assert (one.key, one.is_chosen) == (f"{row}.{shape}", one.is_chosen)
             assert other.load.fluid_pressure == case.load.fluid_pressure
             assert 0.3 < other.initial_contact_radius / case.initial_contact_radius < 3
 

@@ -23,7 +23,7 @@ from fem_seal.explore.choices import apply_choice
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.figures import leak_figure, section_figure
 from fem_seal.explore.live import SOURCE, live_loads, live_screen, solve_live_loads
-from fem_seal.explore.screen import SHOWN, Screen, ShownDesign, lost_words, numbers_of, validity_words
+from fem_seal.explore.screen import FIELDS, Screen, ShownDesign, lost_words, numbers_of, validity_words
 from fem_seal.explore.session import Session
 from fem_seal.explore.worker import (
     Answers,
@@ -96,7 +96,7 @@ def run(written):
 
 def columns(result, load):
     """What leak.csv says of a load, under the names of the screen."""
-    return {name: float(result.table[name].iloc[load]) for name in SHOWN}
+    return {name: float(result.table[name].iloc[load]) for name in FIELDS}
 
 
 @pytest.mark.parametrize(("rated_pressure", "word"), [("40 bar", "pass"), ("1000 bar", "fail")])
@@ -109,11 +109,11 @@ def test_service_loads_that_pass_decide_nothing_before_the_tests_of_the_standard
     session = Session(case_with(requirement=required, load=load))
     result = fem_seal.run(session.case({}))
     live, complete = session.answer({}), complete_screen({}, result)
-    assert live.verdict == "" and live.told[0].startswith("Of the service loads only:")
+    assert live.verdict == "" and live.remarks[0].startswith("Of the service loads only:")
     assert str(result.verdict) == "pass"
     assert complete.verdict == word
-    assert not any("service loads only" in one for one in complete.told)
-    assert any("tests of the standard itself" in one for one in complete.told)
+    assert not any("service loads only" in one for one in complete.remarks)
+    assert any("tests of the standard itself" in one for one in complete.remarks)
     report = result.report(tmp_path / "report.html").read_text(encoding="utf-8")
     brief = report.split(f'class="verdict {word}" id="brief"')[1].split("</div>")[0]
     assert f"Tests of ISO 5208: {word}" in brief
@@ -151,7 +151,7 @@ def test_between_edges_the_elements_are_far_fewer_and_the_numbers_those_of_a_run
 
 def test_a_gas_that_lifts_the_closure_does_not_follow_the_sliders():
     lifted = Session(load_case(EXAMPLES / "double_land.toml"))
-    assert lifted.answer({}).waiting.startswith("Each change takes about")
+    assert lifted.answer({}).delay.startswith("Each change takes about")
 
 
 def test_all_that_was_chosen_stands_in_the_written_file(written):
@@ -185,7 +185,7 @@ def test_a_pressure_moves_the_other_loads_in_proportion(session):
 
 def test_the_curve_of_a_single_load_has_more_points_that_fall_with_pressure():
     screen = Session(case_with(load={"fluid_pressure": "20 bar"})).answer({})
-    rates = [one.values["leak_rate_m3_per_s"] / one.values["fluid_pressure_Pa"] for one in screen.between]
+    rates = [one.values["leak_rate_m3_per_s"] / one.values["fluid_pressure_Pa"] for one in screen.curve_loads]
     # the seat is pressed harder: what leaks per pressure falls
     assert len(rates) == 4
     assert rates == sorted(rates, reverse=True)
@@ -200,7 +200,7 @@ def test_the_verdict_follows_the_sliders_and_what_is_required_goes_with_its_load
         with_limit.answer(design) for design in ({}, {"fluid_pressure": "30 bar", "finish_spectrum": "5 um"})
     )
     assert (before.verdict, after.verdict) == ("pass", "fail")
-    assert "20 bar" not in " ".join(after.told)
+    assert "20 bar" not in " ".join(after.remarks)
     assert after.limits == (("leak rate", pytest.approx(allowed, rel=1e-12)),)
 
 
@@ -208,10 +208,10 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
     words = "preliminary, inputs at their nominal values"
     finish = {"Ra": "0.4 um", "process": "lapped"}
     screen = Session(case_with(requirement={"leak_rate": "1 ml/min"}, roughness=finish)).answer({})
-    assert (screen.verdict, screen.told, screen.widens) == ("", (), True)
+    assert (screen.verdict, screen.remarks, screen.widens) == ("", (), True)
     assert screen.limits
     numbers = {one.name: one for one in numbers_of(screen)}
-    assert numbers["leak"].more.endswith(words)
+    assert numbers["leak"].remark.endswith(words)
     assert numbers["classes"].value == "–"
     colour, validity = validity_words(screen)
     assert colour != "good"
@@ -245,7 +245,7 @@ def test_sensitivities_follow_the_complete_run(session, run):
 def test_a_finish_in_words_or_with_a_range_has_a_slider_from_its_usual_value(roughness, path, given):
     case = case_with(roughness=roughness)
     one = next(one for one in factors_of(case).sliders if one.key.startswith("finish_"))
-    assert (one.paths, one.given) == ((path,), given)
+    assert (one.paths, one.base_text) == ((path,), given)
     # not moved it leaves the case as it is, moved it is one value
     assert factors_of(case).changes(case, {one.key: given}) == {}
     assert case.replace_written({path: one.stops[0]}).roughness.parts["seat"].finish.tolerance == 1.0
@@ -262,7 +262,7 @@ def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):
     leak = next(one for one in numbers_of(screen) if one.name == "leak")
     said = headline(run)
     assert leak.value in said
-    assert "preliminary" not in leak.more
+    assert "preliminary" not in leak.remark
     live = session.answer({}).load.values
     # what the drawing leaves open makes it wider to both sides
     assert low < 0.95 * live["leak_rate_low_m3_per_s"]
@@ -342,7 +342,7 @@ def test_nothing_is_written_over(tmp_path, session):
 def test_what_takes_longer_than_a_slider_may_says_how_long():
     case = load_case(EXAMPLES / "hot_valve.toml")
     screen = Session(case).answer({})
-    assert "Each change takes about" in screen.waiting
+    assert "Each change takes about" in screen.delay
     assert not screen.loads
 
 
@@ -802,7 +802,7 @@ class Dying:
         pass
 
     def screens(self, calculation):
-        raise LostError(lost_words(-9, again=False))
+        raise LostError(lost_words(-9, has_successor=False))
 
 
 def test_what_was_given_up_is_refused_and_not_begun_again(session):
@@ -887,7 +887,7 @@ def test_all_lands_are_on_the_page():
     for land in (pressed & (x < chamber), pressed & (x > chamber)):
         assert land.any() and (np.abs(np.array(profile.places)[:, land] - [[r], [z]]) < half).all()
     numbers = {one.name: one for one in numbers_of(screen)}
-    assert numbers["peak"].more == f"on land {1 + (x[pressure.argmax()] > chamber)} from the axis"
+    assert numbers["peak"].remark == f"on land {1 + (x[pressure.argmax()] > chamber)} from the axis"
     # the line that carries is interrupted between the lands
     lines = section_figure(screen.section, False, profile).data
     (carries,) = (one["x"] for one in lines if one.get("hovertemplate", "").startswith("carries over"))

@@ -208,7 +208,7 @@ def test_the_verdict_passes_with_its_force_and_not_with_less() -> None:
 
 def test_the_live_page_shows_the_leak_of_both_faces() -> None:
     screen = live_screen(UNLIKE, {})
-    assert screen.problem == "" and screen.waiting == ""
+    assert screen.problem == "" and screen.delay == ""
     shown = screen.loads[0].values["leak_rate_m3_per_s"]
     assert shown == pytest.approx(rates(seal_of(UNLIKE))[0], rel=5e-3)
     # the lower flange is the lower one: the conical face ends at its bore, the disc has none
