@@ -56,12 +56,12 @@ def _write_every_sign() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and "utf" not in stream.encoding.lower():
             # whoever has chosen an encoding gets it, and a question mark for what it lacks
-            chosen = "PYTHONIOENCODING" in os.environ
-            stream.reconfigure(errors="replace") if chosen else stream.reconfigure(encoding="utf-8")
+            is_set = "PYTHONIOENCODING" in os.environ
+            stream.reconfigure(errors="replace") if is_set else stream.reconfigure(encoding="utf-8")
 
 
 # Modules that scipy and matplotlib load, with a hundred and fifty others, and that no command uses.
-POSTPONED = frozenset(
+LATE_IMPORTS = frozenset(
     {
         "PIL.ExifTags",
         "fontTools.agl",
@@ -74,10 +74,10 @@ POSTPONED = frozenset(
 
 def postpone_unused_imports() -> None:
     """Load `POSTPONED` modules on first use; call this before anything is imported."""
-    sys.meta_path.insert(0, _Postponing)
+    sys.meta_path.insert(0, _LateImporter)
 
 
-class _Postponing:
+class _LateImporter:
     """Finder of the postponed modules that makes Python load them lazily."""
 
     @staticmethod
@@ -85,7 +85,7 @@ class _Postponing:
         fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Spec of a postponed module; None for all others, which Python finds itself."""
-        spec = PathFinder.find_spec(fullname, path, target) if fullname in POSTPONED else None
+        spec = PathFinder.find_spec(fullname, path, target) if fullname in LATE_IMPORTS else None
         if spec is not None and spec.loader is not None:
             spec.loader = LazyLoader(spec.loader)
         return spec

@@ -42,8 +42,8 @@ def nominal_diameter(size: str) -> float | None:
     >>> nominal_diameter("M12"), nominal_diameter("1/2-13 UNC")
     (0.012, None)
     """
-    found = re.fullmatch(r"\s*M\s*(\d{1,3})\s*(x\s*\d+(\.\d+)?)?\s*", size, flags=re.IGNORECASE)
-    return 1e-3 * float(found[1]) if found and float(found[1]) > 0 else None
+    match = re.fullmatch(r"\s*M\s*(\d{1,3})\s*(x\s*\d+(\.\d+)?)?\s*", size, flags=re.IGNORECASE)
+    return 1e-3 * float(match[1]) if match and float(match[1]) > 0 else None
 
 
 def preload_of_torque(torque: float, nut_factor: float, diameter: float) -> float:
@@ -121,7 +121,7 @@ class Bolts:
         return None if self.torque_factor is None else self.torque_factor * preload / self.number
 
 
-def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float], tightened: float) -> float:
+def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float], at_preload: float) -> float:
     """Force of all bolts where they and the contact hold each other [N]; zero where they are loose.
 
     The root F of F = F0 + k (a0 - a(F)) + dF, with the approaches of all faces together.
@@ -133,7 +133,7 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
         F0 [N].
     approach : callable
         Approach a [m] under an applied force [N], at the fluid pressure of the load; rises with the force.
-    tightened : float
+    at_preload : float
         Approach a0 under the preload, without fluid [m].
 
     Examples
@@ -144,25 +144,25 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
     42500.0
     """
     stiffness = bolts.faces * bolts.stiffness
-    given = preload + bolts.thermal_force
-    first = preload - given + stiffness * (approach(preload) - tightened)
+    sum_of_forces = preload + bolts.thermal_force
+    first = preload - sum_of_forces + stiffness * (approach(preload) - at_preload)
     if first == 0.0:
         return preload
     # a step of one leads beyond the root if the contact answers as it did on the way to the preload
-    unit = _BEYOND * first / (1.0 + stiffness * max(tightened, 0.0) / preload)
+    unit = _WIDENING * first / (1.0 + stiffness * max(at_preload, 0.0) / preload)
 
-    def rising(step: float) -> float:
+    def excess(step: float) -> float:
         force = preload - step * unit
-        lacking = given - force - stiffness * (approach(force) - tightened) if step else -first
-        return lacking / first
+        gap = sum_of_forces - force - stiffness * (approach(force) - at_preload) if step else -first
+        return gap / first
 
     # it rises with the force, by one at least
-    step = root_of_rising(rising, 0.0, first / unit, 0.0, _ACCURACY * preload / abs(unit))
+    step = root_of_rising(excess, 0.0, first / unit, 0.0, _ACCURACY * preload / abs(unit))
     return max(preload - step * unit, 0.0)
 
 
 # Accuracy of a force over the preload, and how much longer than expected the first step is.
-_ACCURACY, _BEYOND = 1e-9, 1.2
+_ACCURACY, _WIDENING = 1e-9, 1.2
 
 
 def stiffness_of(

@@ -27,11 +27,12 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(
-        sign if sign.isprintable() or unicodedata.category(sign) == "Zs" else _written(sign) for sign in text
+        sign if sign.isprintable() or unicodedata.category(sign) == "Zs" else _sign_name(sign)
+        for sign in text
     )
 
 
-def _written(sign: str) -> str:
+def _sign_name(sign: str) -> str:
     number = ord(sign)
     return _SHORT.get(sign) or (f"\\u{number:04x}" if number < 0x10000 else f"\\U{number:08x}")
 
@@ -138,9 +139,9 @@ class InputError(SealError, ValueError):
         """One line per problem, each beginning with the file, and how many more there are."""
         prefix = "" if self.file is None else printable(f"{self.file}: ")
         lines = [f"{prefix}{problem}" for problem in self.problems[:_MOST_LINES]]
-        more = len(self.problems) - len(lines)
-        if more:
-            lines.append(f"{prefix}{more} more entries are wrong; correct these first")
+        rest = len(self.problems) - len(lines)
+        if rest:
+            lines.append(f"{prefix}{rest} more entries are wrong; correct these first")
         return "\n".join(lines)
 
     @property
@@ -242,7 +243,7 @@ class TextTableError(SealError, ValueError):
     """A file is not a table of numbers, or not the expected one."""
 
 
-def unexpected(error: BaseException) -> str:
+def defect_text(error: BaseException) -> str:
     """What is said of an error that nobody thought of, in one line.
 
     Parameters
@@ -251,8 +252,8 @@ def unexpected(error: BaseException) -> str:
     """
     if isinstance(error, MemoryError):
         return "not enough memory; try a coarser mesh or fewer loads"
-    said = f"unexpected {type(error).__name__}: {error}. This is a defect of fem-seal; --debug shows the traceback"
-    return printable(said)
+    line = f"unexpected {type(error).__name__}: {error}. This is a defect of fem-seal; --debug shows the traceback"
+    return printable(line)
 
 
 _PACKAGES = ("fem_seal", "leak", "meshes")

@@ -229,25 +229,25 @@ def drop_extremes(table: TextTable) -> TextTable:
     """
     import numpy as np
 
-    _check_sizes(table.values, table.lines, _BEYOND)
-    return replace(table, values=np.where(np.abs(table.values) < 1 / _BEYOND, 0.0, table.values))
+    _check_sizes(table.values, table.lines, _HUGE)
+    return replace(table, values=np.where(np.abs(table.values) < 1 / _HUGE, 0.0, table.values))
 
 
 # Beyond this no number of a table means anything, and beyond these none of its dimension [SI].
-_BEYOND = 1e100
+_HUGE = 1e100
 _PLAUSIBLE = {"length": 1e3, "pressure": 1e15, "strain": 100.0, "temperature": 1e5}
-_NOTHING = 1e-30
+_TINY = 1e-30
 
 
 def _check_sizes(values: FloatArray, lines: tuple[int, ...], largest: float, what: str = "number") -> None:
     """TextTableError if a row of a table holds a number that is beyond all measure; it names the line."""
     import numpy as np
 
-    beyond = np.flatnonzero((np.abs(values) > largest).reshape(len(values), -1).any(axis=1))
-    if beyond.size:
-        row = values.reshape(len(values), -1)[beyond[0]]
+    places = np.flatnonzero((np.abs(values) > largest).reshape(len(values), -1).any(axis=1))
+    if places.size:
+        row = values.reshape(len(values), -1)[places[0]]
         number = float(row[int(np.argmax(np.abs(row)))])
-        raise _table_error("beyond_measure", line=lines[int(beyond[0])], number=number, what=what)
+        raise _table_error("beyond_measure", line=lines[int(places[0])], number=number, what=what)
 
 
 # What a column may be called, and its dimension: one of `fem_seal.units.DIMENSIONS`, or "strain".
@@ -282,8 +282,8 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
         raise TextTableError(f"has no header; name the columns and their units, {example}")
     words = [name_and_unit(header)[0] for header in table.header]
     places = {
-        role: next((n for n, word in enumerate(words) if word in known), None)
-        for role, (_, known) in names.items()
+        role: next((n for n, word in enumerate(words) if word in role_words), None)
+        for role, (_, role_words) in names.items()
     }
     return {role: place for role, place in places.items() if place is not None}
 
@@ -299,9 +299,9 @@ def column(table: TextTable, place: int, dimension: str) -> FloatArray:
     import numpy as np
 
     values = _column_in_si(table, place, dimension)
-    limit = _PLAUSIBLE.get(dimension, _BEYOND)
+    limit = _PLAUSIBLE.get(dimension, _HUGE)
     _check_sizes(values, table.lines, limit, f'{dimension} of column "{table.header[place]}" (in SI)')
-    return np.where(np.abs(values) < _NOTHING, 0.0, values)
+    return np.where(np.abs(values) < _TINY, 0.0, values)
 
 
 def _column_in_si(table: TextTable, place: int, dimension: str) -> FloatArray:
@@ -327,10 +327,10 @@ def _column_in_si(table: TextTable, place: int, dimension: str) -> FloatArray:
 
 def name_and_unit(header: str) -> tuple[str, str]:
     """``"x_m"``, ``"x [mm]"``, ``"Contact pressure (MPa)"`` as word and unit; unit empty if there is none."""
-    bracketed = re.fullmatch(r"(.*?)[\s_]*[\[(]\s*([^\])]+?)\s*[\])]", header)
-    suffixed = re.fullmatch(r"(.+)[\s_]([^\s_]+)", header)
-    for match in (bracketed, suffixed):
-        if match and (match is bracketed or _is_unit(match[2])):
+    in_brackets = re.fullmatch(r"(.*?)[\s_]*[\[(]\s*([^\])]+?)\s*[\])]", header)
+    with_suffix = re.fullmatch(r"(.+)[\s_]([^\s_]+)", header)
+    for match in (in_brackets, with_suffix):
+        if match and (match is in_brackets or _is_unit(match[2])):
             return re.sub(r"\s+", "_", match[1].lower()), match[2]
     return re.sub(r"\s+", "_", header.lower()), ""
 
@@ -395,13 +395,13 @@ class UnreadableFileError(SealError, ValueError):
     """A file cannot be read; the message does not repeat its path: "cannot be read (no such file or directory)"."""
 
 
-def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
+def read_bytes(path: str | os.PathLike[str], limit: int = _MOST_BYTES) -> bytes:
     """Content of a regular file.
 
     Parameters
     ----------
     path : path
-    most : int
+    limit : int
         Largest size that is read [bytes].
 
     Raises
@@ -413,20 +413,20 @@ def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
         # Not blocking: to open a pipe would wait for the one who writes it.
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         try:
-            _check(os.fstat(handle), most)
+            _check(os.fstat(handle), limit)
             with open(handle, "rb", closefd=False) as file:
                 # A file of the system may say that it is empty and have no end.
-                content = file.read(most + 1)
+                content = file.read(limit + 1)
         finally:
             os.close(handle)
     except (OSError, ValueError) as error:
         raise _unreadable_error(error) from None
-    if len(content) > most:
-        raise _size_error(most)
+    if len(content) > limit:
+        raise _size_error(limit)
     return content
 
 
-def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
+def read_text(path: str | os.PathLike[str], limit: int = _MOST_BYTES) -> str:
     """The same as text in UTF-8, with or without a byte order mark.
 
     Raises
@@ -436,12 +436,12 @@ def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
     UnicodeDecodeError
         If it is no such text.
     """
-    text = read_bytes(path, most).decode("utf-8-sig")
+    text = read_bytes(path, limit).decode("utf-8-sig")
     # as a file opened for text gives it
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def check_file(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> None:
+def check_file(path: str | os.PathLike[str], limit: int = _MOST_BYTES) -> None:
     """Whether `read_bytes` would read it, for those who are given the path and read it themselves.
 
     Raises
@@ -450,23 +450,23 @@ def check_file(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> None:
         As of `read_bytes`.
     """
     try:
-        _check(Path(path).stat(), most)
+        _check(Path(path).stat(), limit)
         if not os.access(path, os.R_OK):
             raise UnreadableFileError("cannot be read (permission denied)")
     except (OSError, ValueError) as error:
         raise _unreadable_error(error) from None
 
 
-def _check(status: os.stat_result, most: int) -> None:
+def _check(status: os.stat_result, limit: int) -> None:
     if not stat.S_ISREG(status.st_mode):
         kind = next((name for is_kind, name in _KINDS if is_kind(status.st_mode)), "no regular file")
         raise UnreadableFileError(f"cannot be read (is {kind}; a regular file is needed)")
-    if status.st_size > most:
-        raise _size_error(most)
+    if status.st_size > limit:
+        raise _size_error(limit)
 
 
-def _size_error(most: int) -> UnreadableFileError:
-    return UnreadableFileError(f"cannot be read (is larger than {most // 2**20} MB)")
+def _size_error(limit: int) -> UnreadableFileError:
+    return UnreadableFileError(f"cannot be read (is larger than {limit // 2**20} MB)")
 
 
 def _unreadable_error(error: OSError | ValueError) -> UnreadableFileError:

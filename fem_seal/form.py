@@ -117,20 +117,20 @@ class FormError:
     @cached_property
     def felt(self) -> tuple[Wave, ...]:
         """The waves that load the contact: a closure that is not guided gives way to the first."""
-        return tuple(one for one in self.waves if one.amplitude and (self.guided or one.waves > 1))
+        return tuple(wave for wave in self.waves if wave.amplitude and (self.guided or wave.waves > 1))
 
     @property
     def symmetry(self) -> int:
         """How often the felt waves repeat themselves around the axis."""
-        return math.gcd(*(one.waves for one in self.felt)) or max(self.highest, 1)
+        return math.gcd(*(wave.waves for wave in self.felt)) or max(self.highest, 1)
 
     def gap(self, angle: FloatArray) -> FloatArray:
         """What the felt waves add to the gap at angles [rad] around the axis [m]."""
-        return sum((one.at(angle) for one in self.felt), np.zeros_like(angle))
+        return sum((wave.at(angle) for wave in self.felt), np.zeros_like(angle))
 
     def scaled(self, factor: float) -> FormError:
         """The same form with all deviations a number of times as large."""
-        waves = tuple(replace(one, amplitude=factor * one.amplitude) for one in self.waves)
+        waves = tuple(replace(wave, amplitude=factor * wave.amplitude) for wave in self.waves)
         tolerance = self.tolerance and replace(self.tolerance, amplitude=factor * self.tolerance.amplitude)
         return replace(self, waves=waves, tolerance=tolerance)
 
@@ -140,16 +140,16 @@ class FormError:
             return self
         angle = np.linspace(0.0, 2 * np.pi, 3600, endpoint=False)
         widest = float(angle[np.argmax(self.gap(angle))]) if self.felt else 0.0
-        filling = Wave(number, self.tolerance.amplitude, number * widest)
+        tolerance_wave = Wave(number, self.tolerance.amplitude, number * widest)
         return replace(
             self,
-            waves=combined([*self.waves, filling]),
+            waves=combine_waves([*self.waves, tolerance_wave]),
             tolerance=None,
             highest=max(self.highest, number),
         )
 
 
-def combined(waves: Iterable[Wave]) -> tuple[Wave, ...]:
+def combine_waves(waves: Iterable[Wave]) -> tuple[Wave, ...]:
     """The same deviation with one wave for each number.
 
     Parameters
@@ -157,8 +157,8 @@ def combined(waves: Iterable[Wave]) -> tuple[Wave, ...]:
     waves : iterable of Wave
     """
     phasors: dict[int, complex] = {}
-    for one in waves:
-        phasors[one.waves] = phasors.get(one.waves, 0j) + one.phasor
+    for wave in waves:
+        phasors[wave.waves] = phasors.get(wave.waves, 0j) + wave.phasor
     return tuple(
         Wave(n, abs(phasor), -math.atan2(phasor.imag, phasor.real)) for n, phasor in sorted(phasors.items())
     )
@@ -229,8 +229,8 @@ class Trace:
     @property
     def widest_gap(self) -> float:
         """Largest angle between neighbours [rad]."""
-        turned = np.sort(np.mod(self.angle, 2 * np.pi))
-        return float(np.max(np.diff(turned, append=turned[0] + 2 * np.pi)))
+        angles = np.sort(np.mod(self.angle, 2 * np.pi))
+        return float(np.max(np.diff(angles, append=angles[0] + 2 * np.pi)))
 
     @property
     def most_waves(self) -> int:
@@ -251,14 +251,14 @@ class Trace:
         n = np.arange(1, highest + 1)
         phase = self.angle[:, None] * n
         columns = np.hstack([np.ones((len(self.angle), 1)), np.cos(phase), np.sin(phase)])
-        found = np.linalg.lstsq(columns, self.deviation, rcond=None)[0]
-        cosine, sine = found[1 : highest + 1], found[highest + 1 :]
+        coefficients = np.linalg.lstsq(columns, self.deviation, rcond=None)[0]
+        cosine, sine = coefficients[1 : highest + 1], coefficients[highest + 1 :]
         return tuple(
             Wave(int(number), math.hypot(c, s), math.atan2(s, c))
             for number, c, s in zip(n, cosine, sine, strict=True)
         )
 
-    def left_over(self, waves: Iterable[Wave]) -> float:
+    def residual(self, waves: Iterable[Wave]) -> float:
         """Rms of what waves leave of the deviation, its mean aside [m]."""
-        rest = self.deviation - sum(one.at(self.angle) for one in waves)
+        rest = self.deviation - sum(wave.at(self.angle) for wave in waves)
         return float(np.std(rest))

@@ -100,14 +100,14 @@ class OverTemperature:
         """The number at a temperature, or an array of them [K]; InputError outside the table unless `nearest`."""
         if not self.nearest and not self.reaches(temperature):
             high = self.temperature[-1]
-            asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
+            far = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
             raise InputError.at(
                 self.key,
-                f"is known {self.reach} and asked for at {in_degrees(float(asked))}; "
+                f"is known {self.reach} and asked for at {in_degrees(float(far))}; "
                 "extend the table, or change the temperature",
             )
-        found = np.interp(temperature, self.temperature, self.value)
-        return found if np.ndim(temperature) else float(found)
+        values = np.interp(temperature, self.temperature, self.value)
+        return values if np.ndim(temperature) else float(values)
 
 
 def in_degrees(temperature: float) -> str:
@@ -246,7 +246,7 @@ class Material:
 
     def table(self, key: str) -> OverTemperature | None:
         """What is known of a number over temperature; None of one that is given without."""
-        return next((one for one in self.over_temperature if one.key == key), None)
+        return next((table for table in self.over_temperature if table.key == key), None)
 
     def conductivity(self, temperature: FloatArray) -> FloatArray:
         """Thermal conductivity at temperatures [W/(m K)].
@@ -453,8 +453,8 @@ class HardeningCurve:
             Positive [Pa].
         """
         strain, stress = self._points
-        rising = stress + stiffness * strain
-        return np.interp(trial, rising, strain) + np.maximum(trial - rising[-1], 0.0) / stiffness
+        line = stress + stiffness * strain
+        return np.interp(trial, line, strain) + np.maximum(trial - line[-1], 0.0) / stiffness
 
     @cached_property
     def _points(self) -> tuple[FloatArray, FloatArray]:
@@ -518,9 +518,9 @@ class HardeningOverTemperature:
         strain = _union((first, second))
         stress = (1 - share) * first.flow_stress(strain) + share * second.flow_stress(strain)
         stress = np.maximum.accumulate(stress)  # of round-off on a plateau
-        known = min(first.last_strain, second.last_strain)
+        last_strain = min(first.last_strain, second.last_strain)
         return HardeningCurve(
-            tuple(strain.tolist()), tuple(stress.tolist()), None if known == strain[-1] else known
+            tuple(strain.tolist()), tuple(stress.tolist()), None if last_strain == strain[-1] else last_strain
         )
 
     def next_to(self, temperature: float) -> HardeningCurve:
@@ -580,10 +580,10 @@ class HardeningField:
 
     def plastic_strain_at(self, trial: FloatArray, stiffness: float) -> FloatArray:
         """Plastic strain p of each point at which flow stress(p) + `stiffness` p = `trial` [Pa], as of one curve."""
-        rising = self.stress + stiffness * self.strain
-        piece = self._piece(rising, trial)
-        beyond = trial - self._of(rising, piece)
-        return self.strain[piece] + beyond / (stiffness + self._slopes(piece))
+        line = self.stress + stiffness * self.strain
+        piece = self._piece(line, trial)
+        excess = trial - self._of(line, piece)
+        return self.strain[piece] + excess / (stiffness + self._slopes(piece))
 
     def _piece(self, begins: FloatArray, value: FloatArray) -> IntArray:
         """Number of the last point of each curve that a value has reached; the first if none."""
@@ -610,8 +610,8 @@ class _Row(NamedTuple):
     stress: float
 
     def wrong(self, message: str) -> InputError:
-        found = f"row {self.number} (strain {self.strain:.6g}, stress {self.stress / 1e6:.6g} MPa)"
-        return InputError.at("stress_strain", f"{found}: {message}")
+        place = f"row {self.number} (strain {self.strain:.6g}, stress {self.stress / 1e6:.6g} MPa)"
+        return InputError.at("stress_strain", f"{place}: {message}")
 
 
 def _rows(strain: Sequence[float], stress: Sequence[float]) -> list[_Row]:

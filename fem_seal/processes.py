@@ -47,7 +47,7 @@ class Processes:
         Whether they are copies of this process as it is then (see `can_copy`); others load what they need.
     memory : float
         What one of them may take [bytes].
-    loaded : sequence of str
+    preload : sequence of str
         Modules that they find loaded on Linux, where they are copies of one process that has loaded them.
 
     Examples
@@ -64,7 +64,7 @@ class Processes:
         *arguments: Any,
         copies: bool = False,
         memory: float = math.inf,
-        loaded: Sequence[str] = (),
+        preload: Sequence[str] = (),
     ) -> None:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
@@ -73,7 +73,7 @@ class Processes:
         method = "fork" if copies else "forkserver" if sys.platform == "linux" else "spawn"
         about = (memory, begin, arguments)
         self._executor = ProcessPoolExecutor(count, get_context(method), _begin, about)
-        self._copies, self._loaded = copies, loaded
+        self._copies, self._loaded = copies, preload
 
     def submit(self, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs) -> Future[T]:
         """Future of a call by one of them.
@@ -83,7 +83,7 @@ class Processes:
         BrokenProcessPool
             If one of them has died.
         """
-        with nullcontext() if self._copies else _undisturbed(self._loaded):
+        with nullcontext() if self._copies else _without_interrupts(self._loaded):
             return self._executor.submit(function, *arguments, **options)
 
     def end(self) -> None:
@@ -101,27 +101,27 @@ class Processes:
 
 
 @contextmanager
-def _undisturbed(loaded: Sequence[str]) -> Iterator[None]:
+def _without_interrupts(preload: Sequence[str]) -> Iterator[None]:
     """Processes that are started here have one thread each for BLAS, and they and their successors never hear Ctrl-C.
 
     A terminal sends the signal to all of them, but it is the one that started them that ends them.
     """
     from multiprocessing import resource_tracker, set_forkserver_preload
 
-    set_forkserver_preload(list(loaded))
+    set_forkserver_preload(list(preload))
     names = [f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")]
-    missing = [name for name in names if name not in os.environ]
-    os.environ.update(dict.fromkeys(missing, "1"))
+    unset = [name for name in names if name not in os.environ]
+    os.environ.update(dict.fromkeys(unset, "1"))
     if hasattr(signal, "pthread_sigmask"):
         # threads and processes inherit what is blocked, but where Python starts this helper, it is let through again
         resource_tracker.ensure_running()
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         if hasattr(signal, "pthread_sigmask"):
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        for name in missing:
+            signal.pthread_sigmask(signal.SIG_SETMASK, old_mask)
+        for name in unset:
             del os.environ[name]
 
 
@@ -200,7 +200,7 @@ def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | No
     [1, 2, 3]
     """
     if processes is None:
-        processes = min(usable_cores(), _MOST) if can_copy() else 1
+        processes = min(usable_cores(), _MOST_TASKS) if can_copy() else 1
     count = max(min(processes, len(items)), 1)
     shares = [items[k::count] for k in range(count)]
     outcomes = _in_copies(function, shares) if count > 1 else [_outcome(function, items)]
@@ -215,7 +215,7 @@ def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | No
 
 
 # More gain little beside what one process makes before and after.
-_MOST = 8
+_MOST_TASKS = 8
 
 
 def can_copy() -> bool:
@@ -270,18 +270,18 @@ def _in_copies(function: Callable[[T], R], shares: Sequence[Sequence[T]]) -> lis
 
 
 # Of a copy: a function need not be one that can be pickled.
-_inherited: tuple[Callable[[Any], Any], Sequence[Any]]
+_job: tuple[Callable[[Any], Any], Sequence[Any]]
 
 
 def _inherit(function: Callable[[T], R], shares: Sequence[Sequence[T]]) -> None:
-    global _inherited
-    _inherited = function, shares
+    global _job
+    _job = function, shares
     # what is there already is not looked through for rubbish, which would make it a copy in memory, too
     gc.freeze()
 
 
 def _inherited_outcome(share: int) -> _Outcome:
-    function, shares = _inherited
+    function, shares = _job
     return _outcome(function, shares[share])
 
 

@@ -107,12 +107,12 @@ class PressureProfile:
         # Points that mirror each other about the peak make argmax a matter of round-off; the parabola does not.
         x, p = (self.x[k - 1 : k + 2] - self.x[k]).tolist(), self.pressure[k - 1 : k + 2].tolist()
         # 1 + c1 t + c2 t^2 over t = x / x[2], which is 0 and 1 at two of the points
-        before, rise_before, rise = x[0] / x[2], p[0] / p[1] - 1, p[2] / p[1] - 1
-        c2 = (rise_before / before - rise) / (before - 1)
+        left, rise_before, rise = x[0] / x[2], p[0] / p[1] - 1, p[2] / p[1] - 1
+        c2 = (rise_before / left - rise) / (left - 1)
         if not c2 < 0:
             return float(self.x[k]), p[1]
         c1 = rise - c2
-        top = min(max(-c1 / (2 * c2), before), 1.0)
+        top = min(max(-c1 / (2 * c2), left), 1.0)
         return float(self.x[k] + top * x[2]), p[1] * (1 + c1 * top + c2 * top**2)
 
     @cached_property
@@ -171,8 +171,8 @@ class PressureProfile:
         if self.largest is None:
             return self
         with np.errstate(divide="ignore"):
-            log_p, before = np.log(self.pressure), np.log(self.largest)
-        equal = np.exp(table.first_loading(log_p, np.maximum(before, log_p)))
+            log_p, log_largest = np.log(self.pressure), np.log(self.largest)
+        equal = np.exp(table.first_loading(log_p, np.maximum(log_largest, log_p)))
         return replace(self, pressure=equal, largest=None)
 
     def pressed_up_to(self, most: float) -> PressureProfile:
@@ -207,10 +207,10 @@ class PressureProfile:
         ends_sharply = self.pressure[0] == 0 and self.pressure[-1] == 0
         if ends_sharply and (width := self._width_of_ellipse(height)) is not None:
             return width
-        above = (height >= 0).nonzero()[0]
-        if len(above) == 0:
+        places = (height >= 0).nonzero()[0]
+        if len(places) == 0:
             return 0.0
-        return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
+        return self._crossing(height, places[-1], +1) - self._crossing(height, places[0], -1)
 
     def _width_of_ellipse(self, height: FloatArray) -> float | None:
         """Width between the roots of a polynomial through the inner part of p^2; None where that is no such curve.
@@ -221,19 +221,19 @@ class PressureProfile:
         inner = self.pressure > 0.4 * self.peak_pressure
         curve = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
         edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]].tolist()
-        off = np.abs(curve(self.x[inner]) - height[inner]).max()
-        if off > _NO_ELLIPSE or not curve(self.centroid) > 0 > max(map(curve, edges)):
+        distance = np.abs(curve(self.x[inner]) - height[inner]).max()
+        if distance > _NO_ELLIPSE or not curve(self.centroid) > 0 > max(map(curve, edges)):
             return None
         return _root(curve, self.centroid, edges[1]) - _root(curve, edges[0], self.centroid)
 
-    def _crossing(self, height: FloatArray, inside: int, step: int) -> float:
-        outside = inside + step
-        if not 0 <= outside < len(self.x):
-            return float(self.x[inside])
-        lower = max(min(inside, outside) - 2, 0)
+    def _crossing(self, height: FloatArray, start: int, step: int) -> float:
+        neighbour = start + step
+        if not 0 <= neighbour < len(self.x):
+            return float(self.x[start])
+        lower = max(min(start, neighbour) - 2, 0)
         part = slice(lower, lower + 6)
         curve = _interpolate(self.x[part].tolist(), height[part].tolist())
-        a, b = sorted((float(self.x[inside]), float(self.x[outside])))
+        a, b = sorted((float(self.x[start]), float(self.x[neighbour])))
         return _root(curve, a, b)
 
 
@@ -280,11 +280,11 @@ def join_lands(profiles: Sequence[PressureProfile]) -> PressureProfile:
     """
     if len(profiles) == 1:
         return profiles[0]
-    known = [profile.largest for profile in profiles if profile.largest is not None]
+    memories = [profile.largest for profile in profiles if profile.largest is not None]
     x, radius, pressure, gap, weight = (
         np.concatenate([getattr(profile, name) for profile in profiles])
         for name in ("x", "radius", "pressure", "gap", "arc_weight")
     )
     ends = profiles[0].ends[0], profiles[-1].ends[1]
-    largest = np.concatenate(known) if known else None
+    largest = np.concatenate(memories) if memories else None
     return PressureProfile(x, radius, pressure, gap, weight, ends, largest, tuple(profiles))

@@ -392,8 +392,8 @@ def applied_force_for_leak(case: CaseSource, target_leak_rate: float | None = No
     >>> fem_seal.applied_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
-    found = target.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
-    return np.array([one.applied_force for one in found])
+    loads = target.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
+    return np.array([load.applied_force for load in loads])
 
 
 def blow_off_pressures(case: CaseSource) -> FloatArray:
@@ -425,7 +425,7 @@ def blow_off_pressures(case: CaseSource) -> FloatArray:
     31.8 bar
     """
     halves = SealProblem.of(case_of(case)).halves
-    return np.asarray(np.min([opening.blow_off_pressures(one) for one in halves], axis=0))
+    return np.asarray(np.min([opening.blow_off_pressures(half) for half in halves], axis=0))
 
 
 def direct(
@@ -544,21 +544,21 @@ def direct_seal(
     from fem_seal.seal.problem import direct_settings
 
     case = case_of(case)
-    for key, there in (("roughness", case.roughness), ("fluid", case.fluid)):
-        if there is None:
+    for key, table in (("roughness", case.roughness), ("fluid", case.fluid)):
+        if table is None:
             message = "is missing, and a simulated seal has both roughness and fluid; add the table"
             raise InputError.at(key, message, file=case.file)
-    given = direct_settings(case) or DirectSettings()
-    if given.map is not None:
+    options = direct_settings(case) or DirectSettings()
+    if options.map is not None:
         message = "is a map of a patch; strips of a seal have random roughness: remove it"
         raise InputError.at("direct.file", message, file=case.file)
-    settings = replace(given, folder=given.folder if folder is None else Path(folder))
+    settings = replace(options, folder=options.folder if folder is None else Path(folder))
     tell = progress or (lambda text: None)
     result = run(case, tell, sensitivities=False, verdict_force=False)
-    named = None if case.direct is None else case.direct.asperities
+    asperities = None if case.direct is None else case.direct.asperities
     yields = result.surface is not None and result.surface.hardness is not None
     kinds: tuple[Asperities, ...] = (
-        (("elastic", "capped") if yields else ("elastic",)) if named is None else (named,)
+        (("elastic", "capped") if yields else ("elastic",)) if asperities is None else (asperities,)
     )
     return simulate_seal(
         result.problem, result.loads, result.leak_ranges, settings, kinds, jobs=jobs, progress=tell

@@ -16,7 +16,7 @@ CUT_OFF = 4.0
 
 
 @dataclass(frozen=True)
-class _Bounded:
+class _BoundedSpread:
     """Values between two bounds.
 
     Parameters
@@ -34,7 +34,7 @@ class _Bounded:
         return self.low, self.high
 
 
-class Uniform(_Bounded):
+class Uniform(_BoundedSpread):
     """Every value between two bounds alike."""
 
     def quantile(self, share: FloatArray) -> FloatArray:
@@ -42,7 +42,7 @@ class Uniform(_Bounded):
         return self.low + (self.high - self.low) * share
 
 
-class LogUniform(_Bounded):
+class LogUniform(_BoundedSpread):
     """Every ratio between two positive bounds alike."""
 
     def quantile(self, share: FloatArray) -> FloatArray:
@@ -148,8 +148,8 @@ class UncertainInput:
 
         # cut off where the factor would become negative, if that comes first; what is outside is drawn anew
         end = min(_NORMAL_END, 0.99 / self.relative)
-        outside = ndtr(-end)
-        return Normal(1.0, self.relative, cut_off=end).quantile(outside + uniform * (1.0 - 2.0 * outside))
+        tail = ndtr(-end)
+        return Normal(1.0, self.relative, cut_off=end).quantile(tail + uniform * (1.0 - 2.0 * tail))
 
     def shown(self, values: FloatArray) -> FloatArray:
         """The factors, shape (n,)."""

@@ -18,7 +18,7 @@ from fem_seal.form import (
     Wave,
     WaveTolerance,
     along_normal,
-    combined,
+    combine_waves,
     rigid_wave,
 )
 
@@ -97,7 +97,7 @@ class MeasuredTrace(Table):
                 sentence("few_waves", body=body, gap=gap, told=self.usable_waves, waves=self.waves)
             )
         waves = self.trace.waves(self.usable_waves)
-        rest, height = self.trace.left_over(waves), math.sqrt(sum(w.amplitude**2 for w in waves[1:]) / 2)
+        rest, height = self.trace.residual(waves), math.sqrt(sum(w.amplitude**2 for w in waves[1:]) / 2)
         if rest > height:
             heights = {"rest": 1e6 * rest, "height": 1e6 * height}
             sentences.append(sentence("short_waves", body=body, told=self.usable_waves, **heights))
@@ -263,7 +263,7 @@ class Form(Table):
         tolerance = WaveTolerance(zone, (wave_range[0], wave_range[1])) if zone else None
         grooves = [cut.groove for cut in self.scratches] + ([] if self.lay is None else [self.lay.groove])
         return FormError(
-            combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
+            combine_waves(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
         )
 
 

@@ -21,7 +21,7 @@ from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
-from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
 from fem_seal.units import shown_in
 from fem_seal.version import __version__
@@ -75,10 +75,10 @@ def pdf(
     page = folder / "report.html"
     if not page.is_file():
         raise InputError.at(str(folder), "holds no report.html; `fem-seal run CASE.toml -o DIR` writes one")
-    written = output or folder / ("page.pdf" if one_page else "report.pdf")
-    print_pdf(page, written, one_page=one_page)
+    file = output or folder / ("page.pdf" if one_page else "report.pdf")
+    print_pdf(page, file, one_page=one_page)
     if not quiet:
-        terminal.say(f"PDF in {written}")
+        terminal.say(f"PDF in {file}")
 
 
 @app.command()
@@ -106,7 +106,7 @@ def explore(
         raise InputError.at("--output", f"cannot be created ({error.strerror})", str(folder)) from None
     from fem_seal.explore.server import serve
 
-    def opened(address: str) -> None:
+    def show_address(address: str) -> None:
         if no_browser or not quiet:
             # the page opens only with the token in its address
             terminal.say(f"{case.title}: {address}   (Ctrl-C ends it)")
@@ -115,12 +115,12 @@ def explore(
 
             webbrowser.open(address)
 
-    def failed(error: BaseException) -> None:
+    def record_error(error: BaseException) -> None:
         if debug:
             traceback.print_exception(error)
-        terminal.complain(unexpected(error))
+        terminal.complain(defect_text(error))
 
-    serve(case, folder, port, opened, failed)
+    serve(case, folder, port, show_address, record_error)
 
 
 @app.command()
@@ -161,8 +161,8 @@ def _show(
     from fem_seal.output.tables import leak_rows
 
     if json:
-        said = {"folder": str(folder), "loads": leak_rows(result), "warnings": [*result.warnings, *failures]}
-        terminal.say_json(said | ({"understood": given_in_words(result)} if result.of_profile else {}))
+        data = {"folder": str(folder), "loads": leak_rows(result), "warnings": [*result.warnings, *failures]}
+        terminal.say_json(data | ({"understood": given_in_words(result)} if result.of_profile else {}))
     elif not quiet:
         terminal.show_result(result, details=details)
         terminal.tell(*given_in_words(result))
@@ -179,12 +179,12 @@ class _PictureNamedOrNot(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put an empty name where none is given."""
-        given = list(args)
-        if "--picture" in given:
-            at = given.index("--picture") + 1
-            if at == len(given) or given[at].startswith("-") or given[at].lower().endswith(".toml"):
-                given.insert(at, "")
-        return super().parse_args(ctx, given)
+        words = list(args)
+        if "--picture" in words:
+            at = words.index("--picture") + 1
+            if at == len(words) or words[at].startswith("-") or words[at].lower().endswith(".toml"):
+                words.insert(at, "")
+        return super().parse_args(ctx, words)
 
 
 @app.command(cls=_PictureNamedOrNot)
@@ -211,13 +211,13 @@ def check(
     from fem_seal.seal.heating import warmed
 
     case = warmed(terminal.case_of_command(case_file))
-    drawn = None
+    image = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section
 
-        drawn = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
-    derived = derive(case)
-    numbers = derived_numbers(case, derived)
+        image = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
+    derivation = derive(case)
+    numbers = derived_numbers(case, derivation)
     from fem_seal.seal.cost import about
     from fem_seal.seal.problem import SealProblem, sizing
 
@@ -228,10 +228,10 @@ def check(
         problem, sampled=case.sampled is not None, target=case.load.target_leak_rate is not None
     )
     limits = [
-        *foreseen(problem, derived),
-        nearly_open(derived),
-        strain_limit(derived),
-        without_stop(case) or closed_form_limits(case, derived),
+        *foreseen(problem, derivation),
+        nearly_open(derivation),
+        strain_limit(derivation),
+        without_stop(case) or closed_form_limits(case, derivation),
     ]
     if json:
         terminal.say_json(numbers)
@@ -244,8 +244,8 @@ def check(
             terminal.tell(f"  {'time of a run':30}{about(numbers['run_time_s'])}, in load steps", indent=32)
         terminal.show_derived(case, numbers, details=details)
     terminal.warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
-    if drawn is not None and not (json or quiet):
-        terminal.say(f"picture in {drawn}")
+    if image is not None and not (json or quiet):
+        terminal.say(f"picture in {image}")
 
 
 @app.command()
@@ -320,17 +320,17 @@ def direct(
     from fem_seal.output import direct as samples
 
     case = terminal.case_of_command(case_file)
-    given = None if case.direct is None else case.direct.folder
-    folder = _create_folder(output or (Path(given) if given else case_file.with_suffix(".direct")))
+    own_folder = None if case.direct is None else case.direct.folder
+    folder = _create_folder(output or (Path(own_folder) if own_folder else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         if seal:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct_seal(strips, folder)
-            numbers: dict[str, Any] = {"strips": [samples.seal_numbers(one) for one in strips]}
+            numbers: dict[str, Any] = {"strips": [samples.seal_numbers(strip) for strip in strips]}
             title, keys = "Simulated seal", 4
-            lines, shown = samples.seal_lines(strips), samples.shown_seal_rows(strips)
+            lines, rows_shown = samples.seal_lines(strips), samples.shown_seal_rows(strips)
         else:
             viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
             table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
@@ -339,12 +339,12 @@ def direct(
             rows = samples.direct_rows(table, viscosity)
             numbers = {**samples.direct_numbers(table), "pressures": rows}
             title, keys = "Direct simulation", 2
-            lines, shown = samples.direct_lines(table), samples.shown_rows(rows)
+            lines, rows_shown = samples.direct_lines(table), samples.shown_rows(rows)
     if json:
         terminal.say_json({"folder": str(folder), **numbers})
     elif not quiet:
         terminal.tell(*lines)
-        terminal.show_table(f"{title}: {case.title}", *shown, keys=keys)
+        terminal.show_table(f"{title}: {case.title}", *rows_shown, keys=keys)
         terminal.say_where(folder)
 
 
@@ -381,15 +381,15 @@ def surface(
         "q_low": q_low,
         "q_high": q_high,
     }
-    measured = scan_case([str(file) for file in files], entries).read_scans()
+    scans = scan_case([str(file) for file in files], entries).read_scans()
     folder = _create_folder(output or files[0].with_suffix(".surface"))
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
-        write_surface(measured, draft)
-    terminal.warn(measured.warnings)
+        write_surface(scans, draft)
+    terminal.warn(scans.warnings)
     if json:
-        terminal.say_json({"folder": str(folder), **surface_numbers(measured)})
+        terminal.say_json({"folder": str(folder), **surface_numbers(scans)})
     elif not quiet:
-        for name, text in surface_lines(measured):
+        for name, text in surface_lines(scans):
             terminal.say(f"  {name:24}{text}")
         terminal.say_where(folder)
 
@@ -457,7 +457,7 @@ def _remarks(case: Case) -> list[str]:
     problem = SealProblem.of(case)
     remarks.extend(text for _, _, text in problem.origin.face_remarks)
     remarks.extend(creep_remarks(problem.labelled_materials))
-    remarks.extend(one.text for one in (*film_cautions(problem), *material_cautions(problem)))
+    remarks.extend(finding.text for finding in (*film_cautions(problem), *material_cautions(problem)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 
@@ -466,8 +466,8 @@ def _remarks(case: Case) -> list[str]:
 
 
 def _warn_of_unfinished_designs(folder: Path) -> None:
-    said = unfinished(folder)
-    terminal.warn([f"{folder}: {said}"] if said else [])
+    note = unfinished(folder)
+    terminal.warn([f"{folder}: {note}"] if note else [])
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -503,12 +503,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _explain_error(error: Exception) -> tuple[int, str]:
     """Exit code and message of an error."""
-    own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
+    is_own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
     if isinstance(error, (ConvergenceError, NoLoadLeftError)):
         return NO_RESULT, str(error)
-    if own and isinstance(error, ValueError):
+    if is_own and isinstance(error, ValueError):
         return WRONG_INPUT, str(error)
-    if own or isinstance(error, SealError):
+    if is_own or isinstance(error, SealError):
         return OTHER_FAILURE, str(error)
     if isinstance(error, ImportError):
         from leak.extras import extra_with, needed
@@ -517,7 +517,7 @@ def _explain_error(error: Exception) -> tuple[int, str]:
             return WRONG_INPUT, f"this {needed(extra, error)}"
     if isinstance(error, OSError):
         return OTHER_FAILURE, _system_message(error)
-    return OTHER_FAILURE, unexpected(error)
+    return OTHER_FAILURE, defect_text(error)
 
 
 def _system_message(error: OSError) -> str:

@@ -24,15 +24,15 @@ def calibrate(
     case = terminal.case_of_command(case_file)
     folder = output or case_file.with_suffix(".calibrated")
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
-        found = fem_seal.calibrate(case, measured, progress)
+        calibration = fem_seal.calibrate(case, measured, progress)
         with replaced_together(folder, whole=False) as draft:
-            files.write_calibration(found, draft)
+            files.write_calibration(calibration, draft)
     if json:
-        terminal.say_json({"folder": str(folder), **files.summary(found)})
+        terminal.say_json({"folder": str(folder), **files.summary(calibration)})
     elif not quiet:
-        for line in files.lines(found):
+        for line in files.lines(calibration):
             terminal.say(line)
         terminal.show_table(
-            "Leak rates of the case's loads", files.PREDICTION_HEADINGS, files.prediction_rows(found), 2
+            "Leak rates of the case's loads", files.PREDICTION_HEADINGS, files.prediction_rows(calibration), 2
         )
-        terminal.say(files.files_line(found, folder))
+        terminal.say(files.files_line(calibration, folder))

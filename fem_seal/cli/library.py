@@ -47,8 +47,8 @@ def materials(
         _print_lines(library.material_lines(rows[0]))
     else:
         _print_table(*library.material_cells(rows), "condition", [row["condition"] for row in rows])
-        more = own_tables("library.toml")["more_of_materials"]
-        terminal.tell(f"Numbers at {temperature}. {library.ONE_CONDITION}", more)
+        hint = own_tables("library.toml")["more_of_materials"]
+        terminal.tell(f"Numbers at {temperature}. {library.ONE_CONDITION}", hint)
 
 
 def fluids(
@@ -99,14 +99,14 @@ def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
 
 
 def _print_table(
-    headings: Sequence[str], cells: Sequence[Sequence[str]], more: str, words: Sequence[str]
+    headings: Sequence[str], cells: Sequence[Sequence[str]], hint: str, words: Sequence[str]
 ) -> None:
     """Print names and numbers, and a last column of words on a wide terminal."""
     # numbers are never cut
     console = _console(None if sys.stdout.isatty() else terminal.ENDLESS)
     wide = sys.stdout.isatty() and console.width >= _WIDE
     if wide:
-        headings = [*headings, f"{more}\n"]
+        headings = [*headings, f"{hint}\n"]
         cells = [[*line, text] for line, text in zip(cells, words, strict=True)]
     terminal.show(terminal.numbers_table(headings, cells, narrow=True, names=True, words=wide), console)
 

@@ -25,7 +25,7 @@ CLASSES = (
 )
 
 # What decides a leak rate and is easily left to the template.
-_SCALED = {"diameter", "bore", "included-angle", "applied-force", "torque"}
+_SIZES = {"diameter", "bore", "included-angle", "applied-force", "torque"}
 
 
 def new(
@@ -77,21 +77,21 @@ def new(
         "leak-rate": leak_rate,
         "class": leakage_class,
     }
-    given = {key: value for key, value in answers.items() if value is not None}
-    text = _with_options(text, name, given, entries or [])
+    options = {key: value for key, value in answers.items() if value is not None}
+    text = _with_options(text, name, options, entries or [])
     if asks:
-        text = _with_answers(text, given)
+        text = _with_answers(text, options)
     else:
         new_case.read_text_case(text)
     _write(text, path)
-    kept = [
-        f"{one.words} {value}"
-        for one, _, value in new_case.find_questions(text)
-        if one.name in _SCALED - given.keys()
+    sizes = [
+        f"{question.words} {value}"
+        for question, _, value in new_case.find_questions(text)
+        if question.name in _SIZES - options.keys()
     ]
-    if kept and given and not asks:
-        scale = ", to the scale of what you gave" if {"bore", "diameter"} & given.keys() else ""
-        say(f"From the template{scale}: {', '.join(kept)}")
+    if sizes and options and not asks:
+        scale = ", to the scale of what you gave" if {"bore", "diameter"} & options.keys() else ""
+        say(f"From the template{scale}: {', '.join(sizes)}")
     say(f"{path} is written; next:")
     say(f"  fem-seal check {_quote_text(path)} --picture   (draws its section)")
     say(f"  fem-seal run {_quote_text(path)}   (leak rate and report)")
@@ -121,8 +121,8 @@ def _chosen_template() -> str:
     from fem_seal.case import new_case
 
     say("Which kind of seal?")
-    for number, one in enumerate(new_case.TEMPLATES, start=1):
-        say(f"  {number}  {one:14}{new_case.about(one)}")
+    for number, name in enumerate(new_case.TEMPLATES, start=1):
+        say(f"  {number}  {name:14}{new_case.about(name)}")
     while True:
         answer = prompt("number or name", "1")
         if answer.isdecimal() and 1 <= int(answer) <= len(new_case.TEMPLATES):
@@ -139,7 +139,7 @@ def _check_place(path: Path, force: bool) -> None:
         raise InputError(problem("new_file_ending", path=path))
 
 
-def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
+def _with_options(text: str, name: str, options: Mapping[str, str], entries: list[str]) -> str:
     from fem_seal.case import new_case
 
     paths = {question.name: path for question, path, _ in new_case.find_questions(text)}
@@ -149,104 +149,104 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     if "set-pressure" in paths:
         # a force in its place
         paths["applied-force"] = "load.applied_force"
-    missing = [key for key in given if key not in paths]
-    if missing:
-        known = ", ".join(f"--{one.name}" for one in new_case.QUESTIONS if one.name in paths)
-        raise InputError(problem("new_not_in_template", key=missing[0], name=name, known=known))
-    changes = {paths[key]: value for key, value in given.items() if key != "class"}
+    unknown = [key for key in options if key not in paths]
+    if unknown:
+        option_names = ", ".join(f"--{item.name}" for item in new_case.QUESTIONS if item.name in paths)
+        raise InputError(problem("new_not_in_template", key=unknown[0], name=name, known=option_names))
+    changes = {paths[key]: value for key, value in options.items() if key != "class"}
     for entry in entries:
         key, equals, value = entry.partition("=")
         if not (equals and key.strip() and value.strip()):
             raise InputError.at("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry)
         changes[key.strip()] = value.strip()
-    pressures = new_case.up_to(given.get("set-pressure", ""))
+    pressures = new_case.up_to(options.get("set-pressure", ""))
     if pressures is not None:
         # those of the template may be above it, or far below
         changes.setdefault("load.fluid_pressure", pressures)
     # the bore is scaled first; the closure may then get its own size
-    leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
-    if leading is not None:
-        text = new_case.scale_case(text, leading, changes[leading], fixed_paths=tuple(changes))
-    if "included-angle" in given and "diameter" not in given:
-        text = new_case.for_angle(text, given["included-angle"])
-    before = {path: value for _, path, value in new_case.find_questions(text)}
+    size_path = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
+    if size_path is not None:
+        text = new_case.scale_case(text, size_path, changes[size_path], fixed_paths=tuple(changes))
+    if "included-angle" in options and "diameter" not in options:
+        text = new_case.for_angle(text, options["included-angle"])
+    old_values = {path: value for _, path, value in new_case.find_questions(text)}
     text, changes = new_case.with_own_finish(text, changes)
     text = new_case.with_entries(text, changes)
-    if given.get("fluid") not in (None, before.get("fluid.name")):
-        kept = {*changes, *(("requirement.standard", "requirement.class") if "class" in given else ())}
-        text = _for_fluid(text, kept)
-    if "class" in given:
-        text = new_case.with_entries(text, new_case.required_class(text, given["class"]))
-        if "leak-rate" not in given:
+    if options.get("fluid") not in (None, old_values.get("fluid.name")):
+        fixed = {*changes, *(("requirement.standard", "requirement.class") if "class" in options else ())}
+        text = _for_fluid(text, fixed)
+    if "class" in options:
+        text = new_case.with_entries(text, new_case.required_class(text, options["class"]))
+        if "leak-rate" not in options:
             text = new_case.without_entry(text, "requirement.leak_rate")
     return text
 
 
-def _for_fluid(text: str, kept: set[str]) -> str:
+def _for_fluid(text: str, fixed: set[str]) -> str:
     """The text with what follows from its fluid, which is told."""
     from fem_seal.case import new_case
 
-    follows = new_case.for_fluid(text, kept)
-    changed = {path: value for path, value in follows.items() if value is not None}
-    if changed:
-        say(f"With the fluid: {', '.join(f'{path} = {value}' for path, value in changed.items())}")
-    text = new_case.with_entries(text, changed)
-    for path in follows.keys() - changed.keys():
+    follows = new_case.for_fluid(text, fixed)
+    entries = {path: value for path, value in follows.items() if value is not None}
+    if entries:
+        say(f"With the fluid: {', '.join(f'{path} = {value}' for path, value in entries.items())}")
+    text = new_case.with_entries(text, entries)
+    for path in follows.keys() - entries.keys():
         text = new_case.without_entry(text, path)
     return text
 
 
-def _with_answers(text: str, given: Mapping[str, str]) -> str:
+def _with_answers(text: str, options: Mapping[str, str]) -> str:
     """Ask for every entry that no option has given; answers that contradict each other are asked again."""
     from fem_seal.case import new_case
 
     say("Enter keeps the value in brackets.")
     while True:
-        answered: list[str] = []
+        paths: list[str] = []
         for question in new_case.QUESTIONS:
-            found = next((one for one in new_case.find_questions(text) if one[0] is question), None)
-            if found is not None and question.name not in given:
-                text = _answer_question(text, *found, kept=answered)
-            answered += [] if found is None else [found[1]]
+            place = next((item for item in new_case.find_questions(text) if item[0] is question), None)
+            if place is not None and question.name not in options:
+                text = _answer_question(text, *place, fixed=paths)
+            paths += [] if place is None else [place[1]]
         try:
             new_case.read_text_case(text)
         except InputError as error:
-            given = {}
-            for one in error.problems:
-                complain(str(one), "")
+            options = {}
+            for problem in error.problems:
+                complain(str(problem), "")
             say("Once more:")
         else:
             return text
 
 
-def _answer_question(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
+def _answer_question(text: str, question: Question, path: str, value: str, fixed: list[str]) -> str:
     """The text with a valid answer to a question; entries not answered yet are scaled with the size of the valve."""
     from fem_seal.case import new_case
 
     while True:
         answer = prompt(question.words, value)
-        changed = text
+        new_text = text
         if answer != value:
-            sized = (
-                new_case.scale_case(text, path, answer, kept)
+            scaled_text = (
+                new_case.scale_case(text, path, answer, fixed)
                 if question.name in ("bore", "diameter")
                 else text
             )
-            changed = new_case.with_entries(sized, {path: answer})
+            new_text = new_case.with_entries(scaled_text, {path: answer})
             if question.name == "fluid":
-                changed = _for_fluid(changed, set(kept))
+                new_text = _for_fluid(new_text, set(fixed))
         try:
-            new_case.read_text_case(changed)
+            new_case.read_text_case(new_text)
         except NoLoadLeftError:
             # the force is asked last and may correct this
-            return changed
+            return new_text
         except InputError as error:
-            wrong = [one for one in error.problems if one.key == path or one.key.startswith(f"{path}.")]
+            wrong = [p for p in error.problems if p.key == path or p.key.startswith(f"{path}.")]
             if not wrong:
-                return changed
+                return new_text
             complain(str(wrong[0]), "")
         else:
-            return changed
+            return new_text
 
 
 def _write(text: str, path: Path) -> None:

@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 _BEST = 10
 
 
-class _RunUnlessNamed(TyperGroup):
+class _DefaultRun(TyperGroup):
     """Takes `fem-seal study STUDY.toml` as `fem-seal study run STUDY.toml`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the command in front of the file."""
-        own = ("--help", "-h")
-        if args and args[0] not in self.commands and args[0] not in own:
+        options = ("--help", "-h")
+        if args and args[0] not in self.commands and args[0] not in options:
             args = ["run", *args]
         return super().parse_args(ctx, args)
 
 
 app = typer.Typer(
-    cls=_RunUnlessNamed,
+    cls=_DefaultRun,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="Calculate many designs of one case: fem-seal study STUDY.toml, fem-seal study report DIR.",
@@ -111,9 +111,9 @@ def export(
     """Write the table of a study as CSV, Parquet or netCDF."""
     from fem_seal.studies.results import StudyResult
 
-    written = StudyResult(folder).export(path)
+    file = StudyResult(folder).export(path)
     if not quiet:
-        say(f"Table in {written}")
+        say(f"Table in {file}")
 
 
 def _show(result: StudyResult, quiet: bool, json: bool) -> None:
@@ -139,8 +139,8 @@ def _show_remarks(designs: Designs) -> None:
     from fem_seal.studies.page import edge_sentence, passing_words
 
     display = Display(designs)
-    for told in filter(None, (passing_words(display), edge_sentence(display))):
-        say(told)
+    for sentence in filter(None, (passing_words(display), edge_sentence(display))):
+        say(sentence)
 
 
 def _show_best(designs: Designs) -> None:
@@ -156,10 +156,10 @@ def _show_best(designs: Designs) -> None:
     lines = {"design": [str(number) for number in numbers], **columns}
     labels = max(map(len, lines))
     cells = max(len(text) for line in lines.values() for text in line) + 2
-    fitting = max((shutil.get_terminal_size().columns - labels) // cells, 1)
+    count = max((shutil.get_terminal_size().columns - labels) // cells, 1)
     say("Best designs", bold=True)
-    for first in range(0, len(numbers), fitting):
+    for first in range(0, len(numbers), count):
         for label, line in lines.items():
-            shown = "".join(text.rjust(cells) for text in line[first : first + fitting])
-            say(label.ljust(labels) + shown)
+            line_text = "".join(text.rjust(cells) for text in line[first : first + count])
+            say(label.ljust(labels) + line_text)
         say()

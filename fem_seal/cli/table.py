@@ -32,14 +32,14 @@ def table(
     forces = None if force is None else grid(force, "force")
     folder = output or case_file.with_suffix(".table")
     with folder_lock(folder):
-        found = leak_map(case, pressures, forces)
+        leaks = leak_map(case, pressures, forces)
         with replaced_together(folder, whole=False) as draft:
-            write_map(found, draft)
+            write_map(leaks, draft)
     if json:
-        terminal.say_json({"folder": str(folder), "points": map_rows(found)})
+        terminal.say_json({"folder": str(folder), "points": map_rows(leaks)})
     elif not quiet:
-        _show(found)
-    terminal.warn(_left_out(found))
+        _show(leaks)
+    terminal.warn(_omission_notes(leaks))
     if not (json or quiet):
         terminal.say(
             f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}"
@@ -70,17 +70,17 @@ def grid(text: str, dimension: str) -> list[float]:
     from fem_seal.units import parse_quantity
 
     if ":" not in text:
-        return [parse_quantity(one.strip(), dimension) for one in text.split(",")]
-    ends = [one.strip() for one in text.split(":")]
+        return [parse_quantity(part.strip(), dimension) for part in text.split(",")]
+    ends = [part.strip() for part in text.split(":")]
     if len(ends) != 3 or not ends[2].isdecimal() or not 2 <= int(ends[2]) <= 1000:
         raise InputError.at(
             dimension, f"write a list or a range with 2 to 1000 values, such as {_FORM}", repr(text)
         )
-    first, last, number = parse_quantity(ends[0], dimension), parse_quantity(ends[1], dimension), int(ends[2])
-    return [first + (last - first) * n / (number - 1) for n in range(number)]
+    start, stop, number = parse_quantity(ends[0], dimension), parse_quantity(ends[1], dimension), int(ends[2])
+    return [start + (stop - start) * n / (number - 1) for n in range(number)]
 
 
-def _show(found: LeakMap) -> None:
+def _show(leaks: LeakMap) -> None:
     """Print the leak rates, one line per pressure, marked where they are not valid."""
     from fem_seal.output.report.words import volumes_of_gas
     from fem_seal.seal.findings import Level
@@ -88,32 +88,32 @@ def _show(found: LeakMap) -> None:
 
     # a volume too small to be seen in ml is read in its power of ten
     fluid, flow, newton = (fixed_unit(name) for name in ("bar", "ml/min", "N"))
-    forces = map(newton.of, found.applied_force.tolist())
+    forces = map(newton.of, leaks.applied_force.tolist())
     headings = [f"p fluid\n{fluid.name}", *(f"{force:.4g} {newton.name}\n{flow.name}" for force in forces)]
     rows = []
-    for m, pressure in enumerate(found.fluid_pressure.tolist()):
+    for m, pressure in enumerate(leaks.fluid_pressure.tolist()):
         rows.append([f"{fluid.of(pressure):.4g}"])
-        for n, one in enumerate(found.validity[m]):
-            if one is None:
+        for n, validity in enumerate(leaks.validity[m]):
+            if validity is None:
                 rows[m].append("-")
                 continue
             # as in the tables of a run: no more digits than the error of the theory allows
-            digits = min(3, digits_within(one.leak_error))
-            rate = round_digits(flow.of(float(found.leak_rate[m, n])), digits)
-            rows[m].append(f"{rate:.3g}{Level(one.level).mark}")
-    terminal.say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
+            digits = min(3, digits_within(validity.leak_error))
+            rate = round_digits(flow.of(float(leaks.leak_rate[m, n])), digits)
+            rows[m].append(f"{rate:.3g}{Level(validity.level).mark}")
+    terminal.say(f"Leak rate of {leaks.fluid}{volumes_of_gas(leaks.is_gas)}: {leaks.title}")
     terminal.show(terminal.numbers_table(headings, rows, narrow=True))
 
 
-def _left_out(found: LeakMap) -> list[str]:
+def _omission_notes(leaks: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
     from fem_seal.output.prose import phrase
 
-    gaps = sum(one is None for row in found.validity for one in row)
+    gaps = sum(validity is None for row in leaks.validity for validity in row)
     if not gaps:
         return []
-    whole = found.complete
-    rows, columns = found.fluid_pressure.size, found.applied_force.size
-    kept = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
+    whole = leaks.complete
+    rows, columns = leaks.fluid_pressure.size, leaks.applied_force.size
+    counts = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
     sizes = {"gaps": gaps, "points": rows * columns, "rows": rows, "columns": columns}
-    return [phrase("leak_map.files", "gaps", **sizes, **kept), *found.reasons[:1]]
+    return [phrase("leak_map.files", "gaps", **sizes, **counts), *leaks.reasons[:1]]

@@ -44,9 +44,9 @@ def option(command: str, name: str, **words: str) -> Any:
     words
         Values for the braces of its help.
     """
-    described = dict(own_tables("options.toml")[command][name])
-    described["help"] = described["help"].format(**words)
-    return typer.Option(*described.pop("flags", ()), **described)
+    settings = dict(own_tables("options.toml")[command][name])
+    settings["help"] = settings["help"].format(**words)
+    return typer.Option(*settings.pop("flags", ()), **settings)
 
 
 def argument(command: str, name: str) -> Any:
@@ -117,11 +117,11 @@ def tell(*sentences: str, bold: bool = False, indent: int | None = None) -> None
         Blanks before all lines but the first; two more than before the first unless given.
     """
     for sentence in sentences:
-        before = len(sentence) - len(sentence.lstrip()) + 2 if indent is None else indent
-        say(*_broken(sentence, sys.stdout, before), bold=bold)
+        margin = len(sentence) - len(sentence.lstrip()) + 2 if indent is None else indent
+        say(*_break_lines(sentence, sys.stdout, margin), bold=bold)
 
 
-def _broken(text: str, stream: TextIO, indent: int) -> list[str]:
+def _break_lines(text: str, stream: TextIO, indent: int) -> list[str]:
     """A text in lines, broken between words only."""
     return textwrap.wrap(
         printable(text),
@@ -153,9 +153,9 @@ def warn(warnings: Iterable[str], rest: str = "") -> None:
     """
     texts = list(warnings)
     # one more takes no more room than the line that counts it
-    most = _WARNINGS if rest and len(texts) > _WARNINGS + 1 else len(texts)
-    for text in (*texts[:most], *([f"{len(texts) - most} more, see {rest}"] if texts[most:] else [])):
-        for line in _broken(f"warning: {text}", sys.stderr, len("warning: ")):
+    count = _WARNINGS if rest and len(texts) > _WARNINGS + 1 else len(texts)
+    for text in (*texts[:count], *([f"{len(texts) - count} more, see {rest}"] if texts[count:] else [])):
+        for line in _break_lines(f"warning: {text}", sys.stderr, len("warning: ")):
             typer.secho(line, err=True, fg=typer.colors.YELLOW)
 
 
@@ -164,7 +164,7 @@ def complain(message: str, word: str = "error: ") -> None:
     for line in message.split("\n"):
         text = f"{word}{printable(line)}"
         # a file keeps each entry of the case in a line of its own
-        for part in _broken(text, sys.stderr, len(word)) if sys.stderr.isatty() else [text]:
+        for part in _break_lines(text, sys.stderr, len(word)) if sys.stderr.isatty() else [text]:
             typer.secho(part, err=True, fg=typer.colors.RED)
 
 
@@ -198,9 +198,9 @@ def numbers_table(
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0) if narrow else (0, 1))
-    last = len(headings) - 1
+    last_column = len(headings) - 1
     for number, heading in enumerate(headings):
-        if words and number == last:
+        if words and number == last_column:
             table.add_column(cell(heading), overflow="fold")
         else:
             table.add_column(
@@ -275,21 +275,21 @@ def show_loads(case: Case, loads: Sequence[AnyLoad]) -> None:
     from fem_seal.output.report.page import marks_of
     from fem_seal.seal.load_result import MissingLoad
 
-    table, left_out = loads_in_brief(case, loads)
+    table, note = loads_in_brief(case, loads)
     headings = []
     for heading in table.headings:
         words, _, unit = heading.rstrip("]").partition(" [")
         headings.append([*textwrap.wrap(words, _WORD), unit])
-    most = max(map(len, headings))
+    height = max(map(len, headings))
     tell(case.title)
     show(
         numbers_table(
-            ["\n".join([""] * (most - len(one)) + one) for one in headings], [list(row) for row in table.rows]
+            ["\n".join([""] * (height - len(h)) + h) for h in headings], [list(row) for row in table.rows]
         )
     )
     notes = marks_of([load for load in loads if not isinstance(load, MissingLoad)])
-    notes += [f"{left_out} more loads in leak.csv"] if left_out else []
-    notes += [allowed] if (allowed := allowed_in_words(loads)) else []
+    notes += [f"{note} more loads in leak.csv"] if note else []
+    notes += [limits] if (limits := allowed_in_words(loads)) else []
     state = volume_of(case).state
     if state:
         assert case.fluid is not None
@@ -305,9 +305,9 @@ def say_where(folder: Path) -> None:
     names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
     first = [name for name in ("report.html", "leak.csv") if name in names]
     others = [] if first else [name for name in names if not name.endswith((".vtu", ".vtp"))]
-    more = len(names) - len(first) - len(others)
-    listed = ", ".join([*first, *others]) + (f" and {more} more files" if more else "")
-    tell(f"Results in {folder / '_'}"[:-1] + f": {listed}")
+    rest = len(names) - len(first) - len(others)
+    names_text = ", ".join([*first, *others]) + (f" and {rest} more files" if rest else "")
+    tell(f"Results in {folder / '_'}"[:-1] + f": {names_text}")
 
 
 def show_leak_table(
@@ -329,13 +329,13 @@ def show_leak_table(
     from fem_seal.seal.findings import Level
     from fem_seal.seal.load_result import MissingLoad
 
-    found = [load for load in loads if not isinstance(load, MissingLoad)]
+    results = [load for load in loads if not isinstance(load, MissingLoad)]
     # what tells the rows apart is the contact force, as far as there is one
-    without = {*own_columns(found), *(["applied_force_N"] if len(found) == len(loads) else [])}
+    hidden = {*own_columns(results), *(["applied_force_N"] if len(results) == len(loads) else [])}
     columns = [
         column
         for column in LEAK_ON_TERMINAL
-        if column.name not in without and any(_filled(row.get(column.name)) for row in rows)
+        if column.name not in hidden and any(_has_value(row.get(column.name)) for row in rows)
     ]
     table = [
         (
@@ -348,7 +348,7 @@ def show_leak_table(
         for column in columns
     ]
     flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
-    unmeasured = any("<" in texts for _, texts in table)
+    has_bounds = any("<" in texts for _, texts in table)
     marks = {str(level): level.mark for level in Level}
     levels = [row["validity"] for row in rows]
     # columns that tell the rows apart are repeated in every part of a wide table
@@ -365,23 +365,23 @@ def show_leak_table(
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
             tell(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
-    for text in volume_notes(volume, flows, unmeasured=unmeasured):
+    for text in volume_notes(volume, flows, unmeasured=has_bounds):
         tell(f"  {text}")
 
 
-def _leak_cell(value: float | None, shown: TerminalColumn, load: AnyLoad, volume: LeakVolume) -> str:
+def _leak_cell(value: float | None, style: TerminalColumn, load: AnyLoad, volume: LeakVolume) -> str:
     """A cell of a load: "<" for an unmeasurable leak rate, ">1e6" for a margin above a million."""
     from fem_seal.output.columns import COLUMNS
 
-    column = COLUMNS[shown.name]
+    column = COLUMNS[style.name]
     if value is not None and column.kind in ("flow", "throughput"):
         # a throughput is its volume times 101325 Pa
         rate = value / STANDARD_PRESSURE if column.kind == "throughput" else value
         if rate > 0 and not volume.measurable(rate):
             return "<"
-    if value is not None and shown.name == "margin" and value > 1e6:
+    if value is not None and style.name == "margin" and value > 1e6:
         return "sealed" if math.isinf(value) else ">1e6"
-    return _cell(value, shown.unit, column.digits(load))
+    return _cell(value, style.unit, column.digits(load))
 
 
 def show_leakage(case: Case, loads: Sequence[CaseLoad]) -> None:
@@ -408,7 +408,7 @@ def show_answers(result: SealSolution) -> None:
     from fem_seal.output.report.words import load_notes
     from fem_seal.output.shown_answers import SHOWN
 
-    groups = (load_notes(result), *(shown.lines(result) for shown in SHOWN if shown.asked(result)))
+    groups = (load_notes(result), *(section.lines(result) for section in SHOWN if section.asked(result)))
     for line in chain.from_iterable(groups):
         tell(line)
 
@@ -445,32 +445,32 @@ def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
     """Columns of each part: the keys and as many others as fit, at least one."""
     room = room_of(sys.stdout)
     # each column has a blank on either side and one more after it; one blank begins the line
-    taken = [width + 3 for width in widths]
-    alone = 1 + sum(taken[:keys])
-    part, used = list(range(keys)), alone
+    spaces = [width + 3 for width in widths]
+    own_width = 1 + sum(spaces[:keys])
+    part, used = list(range(keys)), own_width
     for n in range(keys, len(widths)):
-        if len(part) > keys and used + taken[n] > room:
+        if len(part) > keys and used + spaces[n] > room:
             yield part
-            part, used = list(range(keys)), alone
+            part, used = list(range(keys)), own_width
         part.append(n)
-        used += taken[n]
+        used += spaces[n]
     yield part
 
 
-def _filled(value: float | None) -> bool:
+def _has_value(value: float | None) -> bool:
     return value is not None and not math.isnan(value)
 
 
 def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
     if value is None or math.isnan(value):
         return "-"
-    shown = unit.of(value)
+    number = unit.of(value)
     if digits < DIGITS and math.isfinite(value) and value:
-        exponent = math.floor(math.log10(abs(round_digits(shown, digits))) + 1e-12)
+        exponent = math.floor(math.log10(abs(round_digits(number, digits))) + 1e-12)
         if -4 <= exponent < DIGITS:
-            return f"{round_digits(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
+            return f"{round_digits(number, digits):.{max(digits - 1 - exponent, 0)}f}"
     # trailing zeros are kept: columns stay aligned
-    return f"{shown:#.{digits}g}".removesuffix(".")
+    return f"{number:#.{digits}g}".removesuffix(".")
 
 
 def _dimension(key: str, value: float) -> str:
@@ -494,15 +494,15 @@ def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = Fals
     for part in case.every_body:
         name, body = part.label, part.case.key_of(part.name)
         its = numbers if part.case is case or lower is None else lower
-        shown = [its["materials"][body]] if lower else []
-        shown += [f"{key} {_dimension(key, value)}" for key, value in its["dimensions"][body].items()]
+        parts = [its["materials"][body]] if lower else []
+        parts += [f"{key} {_dimension(key, value)}" for key, value in its["dimensions"][body].items()]
         if body in its["sections"]:
-            shown += section_text(its["sections"][body]).values()
-        tell(f"  {name:{14 if lower else 10}}" + ", ".join(shown), indent=16 if lower else 12)
+            parts += section_text(its["sections"][body]).values()
+        tell(f"  {name:{14 if lower else 10}}" + ", ".join(parts), indent=16 if lower else 12)
     for name, (words, unit) in CHECK_OF_CASE.items():
-        own = fixed_unit(unit)
+        usual = fixed_unit(unit)
         texts = [
-            f"{_cell(value, own)} {own.name}".rstrip()
+            f"{_cell(value, usual)} {usual.name}".rstrip()
             for value in (numbers[name], (lower or {}).get(name))
             if value is not None and math.isfinite(value)
         ]
@@ -513,9 +513,9 @@ def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = Fals
     for name in () if details else SHOWN_COLUMNS["check_spared"]:
         if len(columns) > MOST_COLUMNS:
             columns = [column for column in columns if column.name != name]
-    closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
+    touch = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
-        "Closed-form pressure profiles" if closed else "Loads (no closed-form profiles: the faces conform)",
+        "Closed-form pressure profiles" if touch else "Loads (no closed-form profiles: the faces conform)",
         [f"{column.heading}\n{column.unit.name}" for column in columns],
         [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
     )

@@ -157,7 +157,9 @@ class LocalContact:
             By how much the gap is bent there beside its own curvature, in x^2 [1/m]; to first order, and not of smooth
             surfaces, whose peaks are no better than their mesh.
         """
-        log_peak = self._logarithm("peak", line_load, lambda c: math.log(c.profile.peak_pressure), fading=1.0)
+        log_peak = self._logarithm(
+            "peak", line_load, lambda c: math.log(c.profile.peak_pressure), fade_in=1.0
+        )
         if np.any(bend) and not self.opens and math.isfinite(self.mean.model.relative_radius):
             v = np.maximum(self._over_mean(line_load), self._low)
             log_peak = log_peak + bend * self._spline("bent")(v)
@@ -166,7 +168,7 @@ class LocalContact:
 
     def fwhm(self, line_load: FloatArray) -> FloatArray:
         """Full width at half maximum [m] at line loads [N/m]; zero where there is none."""
-        log_fwhm = self._logarithm("fwhm", line_load, lambda c: math.log(c.profile.fwhm), fading=0.0)
+        log_fwhm = self._logarithm("fwhm", line_load, lambda c: math.log(c.profile.fwhm), fade_in=0.0)
         with np.errstate(under="ignore"):
             return np.where(line_load > 0, np.exp(log_fwhm), 0.0)
 
@@ -183,7 +185,7 @@ class LocalContact:
         if isinstance(self.law, HardContact):
             return self._hard_profiles(line_load, approach)
         log_pressure = self._logarithm(
-            "pressure", line_load, lambda c: np.maximum(c.log_pressure, _NOTHING), fading=1.0
+            "pressure", line_load, lambda c: np.maximum(c.log_pressure, _NOTHING), fade_in=1.0
         )
         with np.errstate(under="ignore"):
             return np.exp(log_pressure), self.law.gap(log_pressure)
@@ -252,13 +254,13 @@ class LocalContact:
         name: str,
         line_load: FloatArray,
         log_of: Callable[[ContactSolution], float | FloatArray],
-        fading: float,
+        fade_in: float,
     ) -> FloatArray:
         """A logarithm between those on the rungs.
 
         Parameters
         ----------
-        fading : float
+        fade_in : float
             The power of the line load with which it goes below the ladder of a rough contact. What smooth surfaces
             have, whose contact gets narrower, goes on below the ladder as it does on it.
         """
@@ -266,7 +268,7 @@ class LocalContact:
         spline, inside = self._spline(name, log_of), np.maximum(v, self._low)
         found = spline(inside)
         below = (v - inside).reshape(-1, *(1,) * (found.ndim - 1))
-        power = (spline(0.0) - spline(self._low)) / -self._low if self.opens else fading
+        power = (spline(0.0) - spline(self._low)) / -self._low if self.opens else fade_in
         return np.asarray(found + power * below)
 
     def _over_mean(self, line_load: FloatArray) -> FloatArray:

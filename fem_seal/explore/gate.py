@@ -20,7 +20,7 @@ from flask import Response, abort, request
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from werkzeug.exceptions import BadRequest, HTTPException
 
-from fem_seal.errors import printable, unexpected
+from fem_seal.errors import defect_text, printable
 from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def _refuse_in_one_line(page: Dash, report: Callable[[BaseException], None]) -> 
             return line(400, "this is no question of the page")
         cause = error.__cause__ or error if isinstance(error, DefectError) else error
         report(cause)
-        return line(500, unexpected(cause))
+        return line(500, defect_text(cause))
 
     # dash has an answer of its own to some of them
     for kind in (Exception, InvalidResourceError):

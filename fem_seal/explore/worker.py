@@ -21,7 +21,7 @@ from pathlib import Path
 from threading import Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from fem_seal.errors import InputError, SealError, unexpected
+from fem_seal.errors import InputError, SealError, defect_text
 from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
 from fem_seal.explore.session import WRONG, Calculate, Session
 from fem_seal.processes import can_copy
@@ -204,7 +204,7 @@ def _serve(work: Callable[[], Work], mine: Connection, theirs: Connection) -> No
 
 
 def _error_text(error: Exception) -> str:
-    return str(error) if isinstance(error, (*WRONG, OSError)) else unexpected(error)
+    return str(error) if isinstance(error, (*WRONG, OSError)) else defect_text(error)
 
 
 def live_work() -> Work:

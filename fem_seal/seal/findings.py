@@ -306,8 +306,8 @@ def caution(
     *,
     outside: bool = False,
     leak_factor: Bounds = EXACT,
-    found: bool = True,
-    told: bool = True,
+    proven: bool = True,
+    is_reported: bool = True,
     **values: object,
 ) -> Finding:
     """A caution with the texts of its entry.
@@ -324,10 +324,10 @@ def caution(
         Whether it puts the numbers outside the theory.
     leak_factor
         See `Finding`.
-    found : bool
+    proven : bool
         Whether its size was found, in measurements or simulations, and is no guess.
-    told : bool
-        Whether its number is above the limit from which on it is told; the factor fades in before, see `fading`.
+    is_reported : bool
+        Whether its number is above the limit from which on it is told; the factor fades in before, see `fade_in`.
     **values
         Values for the braces of the texts.
     """
@@ -335,25 +335,25 @@ def caution(
         values["where"] = load_name(load, loads)
     kind, reason, text = (sentence(name, part, **values) for part in ("kind", "reason", "text"))
     leak_only = "leak_only" in own_tables("findings.toml")[name]
-    if not told:
+    if not is_reported:
         return Finding(kind, Level.VALID, reason, "", leak_factor, of_contact=not leak_only)
     held = (
-        leak_only and found and leak_factor != EXACT and 0.0 < leak_factor.low <= leak_factor.high < math.inf
+        leak_only and proven and leak_factor != EXACT and 0.0 < leak_factor.low <= leak_factor.high < math.inf
     )
     level = Level.OUTSIDE if outside else Level.VALID if held else Level.DOUBTFUL
     return Finding(kind, level, reason, text, leak_factor, of_contact=not leak_only)
 
 
-def fading(leak_factor: Bounds, over: float) -> Bounds:
+def fade_in(leak_factor: Bounds, ratio: float) -> Bounds:
     """Factors that fade in from half of the limit on: with a step there the interval would jump.
 
     Parameters
     ----------
     leak_factor : Bounds
-    over : float
+    ratio : float
         The number of a caution over the limit from which on it is told.
     """
-    share = min(max(2.0 * over - 1.0, 0.0), 1.0)
+    share = min(max(2.0 * ratio - 1.0, 0.0), 1.0)
     return Bounds(leak_factor.low**share, leak_factor.high**share)
 
 

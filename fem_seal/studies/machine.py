@@ -63,7 +63,7 @@ class LocalWorkers(Workers):
                 return process.submit(function, *arguments)
         mine, theirs = Pipe()
         with closing(theirs):
-            process = Processes(1, _begin, theirs, memory=self._memory, loaded=_PRELOAD)
+            process = Processes(1, _begin, theirs, memory=self._memory, preload=_PRELOAD)
             self._processes[worker] = process
             # starts it, and then it has its end of the connection
             future = process.submit(function, *arguments)

@@ -20,7 +20,7 @@ from fem_seal.seal.findings import (
     Level,
     Validity,
     caution,
-    fading,
+    fade_in,
     sentence,
 )
 from fem_seal.seal.leak_model import DIRECT_END
@@ -57,7 +57,7 @@ _NEAR_OPENING = 0.05
 _HERTZ_YIELDS, _SOFT = 1.67, 1e-3
 # Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
 # second the missing part changes the result noticeably.
-_CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
+_CUT_SHARE, _LARGE_CUT_SHARE = 1e-6, 1e-2
 # Share of the hardness above which the theory of yielding asperities is stretched; above the hardness it is void.
 _NEAR_HARDNESS = 0.3
 _LARGEST_ERROR = 2e-3
@@ -71,7 +71,7 @@ _NOT_FEW = 0.1
 _FACTORS = ((_FEW_CHANNELS, 1.3), (0.2, 1.7), (0.25, 2.3), (0.31, 3.3))
 # A/A0 beyond the percolation threshold at which nothing may leak for certain; the doubt fades in from where direct
 # results end, so slowly that a thousandth of the force moves no end by 2 %.
-_CLOSED = 0.55
+_CLOSED_AREA = 0.55
 # With a lay it differs by up to these factors at some A/A0, where the fluid crosses the lay, and by one at all where it
 # flows along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to
 # 0.16. For a lay 10 times longer the factors rise by 10/5 to this power.
@@ -119,13 +119,13 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
         With their mesh error.
     """
     # remarks that do not make the numbers doubtful
-    near = [
-        one for one in (*_temperature_cautions(problem), *_face_cautions(problem)) if one.level is Level.VALID
+    remarks = [
+        f for f in (*_temperature_cautions(problem), *_face_cautions(problem)) if f.level is Level.VALID
     ]
     if problem.faces > 1:
-        near.append(replace(caution("without_friction"), level=Level.VALID))
-    own = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
-    return (*(one for one in own if one.text), *near, *_earlier_cautions(problem, loads[0]))
+        remarks.append(replace(caution("without_friction"), level=Level.VALID))
+    items = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
+    return (*(item for item in items if item.text), *remarks, *_earlier_cautions(problem, loads[0]))
 
 
 def load_cautions(
@@ -145,11 +145,11 @@ def load_cautions(
         _faces,
         _near_opening,
         _yielding,
-        _yielded_before,
+        _yields_before_fluid,
         _may_yield,
         _beyond_curve,
-        _turned,
-        _cut_off,
+        _turning,
+        _contact_ends,
         _wide,
         _thick_layer,
         _slides,
@@ -177,7 +177,7 @@ def _interface_cautions(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Finding]:
     sealing = surface.sealing_pressure if sealing is None else sealing
-    yield from _sealed(surface, loads, sealing)
+    yield from _sealed_loads(surface, loads, sealing)
     yield from _nearly_sealed(problem, surface, loads, sealing)
     yield from _range(problem, surface, loads)
     yield from _long_waves(surface, loads)
@@ -198,18 +198,18 @@ def load_validity(problem: SealProblem, load: LoadResult, sealing: float | None 
         Pressure above which the surface is tight, if a table has it [Pa]: finding it takes longer than a design of a
         study.
     """
-    own = load_cautions(problem, [load], sealing)
-    return Validity.of((*_of_surface(problem), *own, *_coarse(load), *_earlier_cautions(problem, load)))
+    findings = load_cautions(problem, [load], sealing)
+    return Validity.of((*_of_surface(problem), *findings, *_coarse(load), *_earlier_cautions(problem, load)))
 
 
 def validity_of(
-    found: Evaluation, load: LoadResult, *, by_table: bool = True, usual_only: bool = False
+    seal: Evaluation, load: LoadResult, *, by_table: bool = True, usual_only: bool = False
 ) -> Validity:
     """Validity of a load of an evaluation, from its own checks and those of the largest earlier load.
 
     Parameters
     ----------
-    found : Evaluation
+    seal : Evaluation
     load : LoadResult
         One of its loads, with its mesh error where it is known.
     by_table : bool
@@ -218,17 +218,17 @@ def validity_of(
     usual_only : bool
         Whether the range of a finish is left out.
     """
-    problem, sealing = found.problem, None
+    problem, sealing = seal.problem, None
     if usual_only and problem.origin.of_finish:
         problem = replace(problem, origin=replace(problem.origin, usual_only=True))
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
     # a gas percolates where a liquid does
     table = getattr(table, "liquid", table)
-    if by_table and found.seal_mesh is None and isinstance(table, ConductivityTable) and table.acting is None:
+    if by_table and seal.seal_mesh is None and isinstance(table, ConductivityTable) and table.acting is None:
         sealing = table.sealing_pressure
         # u_eff falls with pressure: its value at the next pressure of the table is a lower bound
-        beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
-        if len(beyond) and beyond[0] >= _WIDE_GAP:
+        separations = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
+        if len(separations) and separations[0] >= _WIDE_GAP:
             load = load.with_values(critical_separation=None)
     return load_validity(problem, load, sealing)
 
@@ -249,24 +249,22 @@ def profile_validity(problem: SealProblem, load: LoadResult) -> Validity:
             *_of_surface(problem),
             *_above_hardness(problem, [load]),
             *_creeps(problem, [load]),
-            *(one for one in _temperature_cautions(problem, bodies=False) if one.level is not Level.VALID),
+            *(item for item in _temperature_cautions(problem, bodies=False) if item.level is not Level.VALID),
             *_interface_cautions(problem, problem.surface, [load]),
         )
     )
 
 
-def _earlier_cautions(problem: SealProblem, now: LoadResult) -> tuple[Finding, ...]:
+def _earlier_cautions(problem: SealProblem, current: LoadResult) -> tuple[Finding, ...]:
     """Cautions about the largest load before all loads of a problem, as the contact of one of them knows it."""
-    if problem.loads.earlier is None or not now.contact.history:
+    if problem.loads.earlier is None or not current.contact.history:
         return ()
-    load = LoadResult(*problem.loads.earlier, now.contact.history[-1], mesh_error=now.mesh_error)
-    bodies: tuple[Check, ...] = (_yielding, _may_yield, _beyond_curve, _turned, _cut_off)
+    load = LoadResult(*problem.loads.earlier, current.contact.history[-1], mesh_error=current.mesh_error)
+    bodies: tuple[Check, ...] = (_yielding, _may_yield, _beyond_curve, _turning, _contact_ends)
     return tuple(
-        replace(
-            one, reason=f"largest earlier load: {one.reason}", text=f"at the largest earlier load: {one.text}"
-        )
+        replace(f, reason=f"largest earlier load: {f.reason}", text=f"at the largest earlier load: {f.text}")
         for check in bodies
-        for one in check(problem, [load])
+        for f in check(problem, [load])
     )
 
 
@@ -279,14 +277,14 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
     answers : sequence of LoadResult
         At least one.
     """
-    ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
-    named = dict.fromkeys(
-        f"{short_quantity('force', one.applied_force)} at {format_value(one.fluid_pressure, '.4g bar')}"
-        for one in ends
+    ends = [pick(answers, key=lambda load: load.applied_force) for pick in (min, max)]
+    forces = dict.fromkeys(
+        f"{short_quantity('force', load.applied_force)} at {format_value(load.fluid_pressure, '.4g bar')}"
+        for load in ends
     )
-    for one in filter(lambda one: one.text, _at_target(problem, answers)):
-        text = f"at the force for the target leak rate, {' to '.join(named)}: {one.text}"
-        yield replace(one, text=text)
+    for finding in filter(lambda finding: finding.text, _at_target(problem, answers)):
+        text = f"at the force for the target leak rate, {' to '.join(forces)}: {finding.text}"
+        yield replace(finding, text=text)
 
 
 def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
@@ -304,8 +302,8 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
     bodies: tuple[Check, ...] = (
         _yielding,
         _may_yield,
-        _turned,
-        _cut_off,
+        _turning,
+        _contact_ends,
         _wide,
         _above_hardness,
         _flanges_meet,
@@ -320,20 +318,20 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
 
 def _of_surface(problem: SealProblem) -> Iterator[Finding]:
     if problem.origin.usual_only:
-        yield caution("finish", leak_factor=Bounds.factor_bounds(10.0), found=False)
+        yield caution("finish", leak_factor=Bounds.factor_bounds(10.0), proven=False)
     for text in problem.origin.remarks:
         yield Finding("roughness", Level.DOUBTFUL, text, text, of_contact=False)
 
 
 def _face_cautions(problem: SealProblem) -> Iterator[Finding]:
     for name, body, text in problem.origin.face_remarks:
-        found = caution(name, body=problem.contact.label_of(body), text=text, **problem.contact.labels)
+        finding = caution(name, body=problem.contact.label_of(body), text=text, **problem.contact.labels)
         # a land that is wider than the closure is calculated as it is
-        yield replace(found, level=Level.VALID) if name == "land_beyond_face" else found
+        yield replace(finding, level=Level.VALID) if name == "land_beyond_face" else finding
 
 
 def _faces(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    yield from (one for one in _face_cautions(problem) if one.level is not Level.VALID)
+    yield from (finding for finding in _face_cautions(problem) if finding.level is not Level.VALID)
 
 
 def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -341,8 +339,8 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     if close:
         margin, load = min(close, key=lambda item: item[0].share)
         share = max(margin.share, 0.0)
-        more = {"count": len(close), "limit": 100 * _NEAR_OPENING}
-        others = sentence("near_opening", "others", **more) if len(close) > 1 else ""
+        numbers = {"count": len(close), "limit": 100 * _NEAR_OPENING}
+        others = sentence("near_opening", "others", **numbers) if len(close) > 1 else ""
         times = number(1 / share, 2) if share > 0 else ""
         yield caution(
             "near_opening",
@@ -364,9 +362,9 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
     for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
-        over = [(load, zone) for load, zone in elastic if zone.body == name]
-        load, zone = max(over, key=lambda item: item[1].von_mises)
-        first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
+        pairs = [(load, zone) for load, zone in elastic if zone.body == name]
+        load, zone = max(pairs, key=lambda item: item[1].von_mises)
+        first = load_name(min((load for load, _ in pairs), key=lambda load: load.point), loads)
         r, z = zone.place
         yield caution(
             "yield_stress",
@@ -385,31 +383,31 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
         )
 
 
-def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _yields_before_fluid(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Elastic bodies that have yielded under the applied force alone, before the fluid took a part of it.
 
     A stress grows at least with the root of the force, as in Hertz's line contact; what spreads the pressure at small
     forces, and faces that conform, make it grow faster.
     """
-    before = problem.loads.earlier is not None or problem.loads.unsolved_bolts is not None
-    if before or not loads[0].contact.model.knows_stress:
+    has_history = problem.loads.earlier is not None or problem.loads.unsolved_bolts is not None
+    if has_history or not loads[0].contact.model.knows_stress:
         return
-    found: dict[str, tuple[float, LoadResult]] = {}
+    worst: dict[str, tuple[float, LoadResult]] = {}
     for name, material in problem.materials.items():
         limit = material.yield_stress
         for load in loads:
-            lifted = load.applied_force > load.contact_force > 0.0 and not load.contact.stop_force
-            if limit is None or material.hardening is not None or not lifted:
+            is_lifted = load.applied_force > load.contact_force > 0.0 and not load.contact.stop_force
+            if limit is None or material.hardening is not None or not is_lifted:
                 continue
             share = math.sqrt(load.applied_force / load.contact_force)
             if load.contact.stays_below(name, limit / share):
                 continue
             zone = yielded_zone(load.contact.fields[name], limit / share)
-            own = 0.0 if zone is None else zone.excess / share
+            excess_of_load = 0.0 if zone is None else zone.excess / share
             # told where the load itself does not say as much
-            if zone is not None and (own <= 1.0 or own <= LARGEST_EXCESS < zone.excess):
-                found[name] = max(found.get(name, (0.0, load)), (zone.excess, load), key=lambda item: item[0])
-    for name, (excess, load) in sorted(found.items(), key=lambda item: -item[1][0]):
+            if zone is not None and (excess_of_load <= 1.0 or excess_of_load <= LARGEST_EXCESS < zone.excess):
+                worst[name] = max(worst.get(name, (0.0, load)), (zone.excess, load), key=lambda item: item[0])
+    for name, (excess, load) in sorted(worst.items(), key=lambda item: -item[1][0]):
         yield caution(
             "yielded_before",
             load,
@@ -441,7 +439,7 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
         limit = _HERTZ_YIELDS * flows
         if peak > limit:
             label = problem.contact.label_of(name)
-            called = material.name or label
+            words = material.name or label
             yield caution(
                 "may_yield",
                 load,
@@ -450,8 +448,8 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
                 pressure=_named_pressure(load),
                 peak=_stress(peak, load, limit),
                 limit=fixed_at_limit("MPa", limit, peak, 2),
-                why=sentence("may_yield", which, material=called),
-                which=sentence("may_yield", f"which_{which}", material=called),
+                why=sentence("may_yield", which, material=words),
+                which=sentence("may_yield", f"which_{which}", material=words),
             )
 
 
@@ -460,8 +458,8 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         curve, label = material.hardening, problem.contact.label_of(name)
         if curve is None:
             continue
-        found = [(load, yielding_of(load.contact, problem.materials).get(name)) for load in loads]
-        zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
+        zones_of_loads = [(load, yielding_of(load.contact, problem.materials).get(name)) for load in loads]
+        zones = [(load, zone) for load, zone in zones_of_loads if isinstance(zone, PlasticZone)]
         if not zones:
             continue
         load, zone = max(zones, key=lambda item: item[1].strain)
@@ -483,23 +481,23 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
             )
 
 
-def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _contact_ends(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for end, side in ((0, "bore"), (-1, "outer")):
         ends = [load.profiles[end] for load in loads]
-        shares = [
-            float(one.pressure[end]) / load.peak_pressure for one, load in zip(ends, loads, strict=True)
-        ]
-        if max(shares) > _CUT_OFF:
+        shares = [float(x.pressure[end]) / load.peak_pressure for x, load in zip(ends, loads, strict=True)]
+        if max(shares) > _CUT_SHARE:
             load = loads[shares.index(max(shares))]
             # conforming faces always end inside the contact
-            conforming = math.isinf(load.contact.model.relative_radius)
-            much = max(shares) > _MUCH_CUT_OFF and not conforming
+            conforms = math.isinf(load.contact.model.relative_radius)
+            large = max(shares) > _LARGE_CUT_SHARE and not conforms
             values = {"side": side, "share": max(shares), "x": ends[0].x[end]}
-            yield caution("cut_off", load, loads, outside=much, lower=problem.contact.seat.label, **values)
+            yield caution("cut_off", load, loads, outside=large, lower=problem.contact.seat.label, **values)
 
 
-def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: float = math.inf) -> Check:
-    """Check of a number of each load: doubtful above `limit`, outside the theory above `much`."""
+def _check_limit(
+    name: str, share: Callable[[LoadResult], float], limit: float, bound: float = math.inf
+) -> Check:
+    """Check of a number of each load: doubtful above `limit`, outside the theory above `bound`."""
 
     def check(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
         load = max(loads, key=share)
@@ -508,10 +506,10 @@ def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: f
             numbers: dict[str, Any] = {
                 "share": worst,
                 "limit": limit,
-                "largest": much,
+                "largest": bound,
                 "apart": _gap_at_peak(load),
             }
-            yield caution(name, load, loads, outside=worst > much, **numbers, **problem.contact.labels)
+            yield caution(name, load, loads, outside=worst > bound, **numbers, **problem.contact.labels)
 
     return check
 
@@ -533,10 +531,12 @@ def _shift_by_gap(load: LoadResult) -> float:
     return slope * _gap_at_peak(load)
 
 
-_turned = _over("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
-_wide = _over("wide_contact", lambda load: 2 * load.std / load.contact.model.initial_contact_radius, _NARROW)
-_thick_layer = _over("thick_layer", _gap_over_radius, _THICK_LAYER, _NO_LAYER)
-_slides = _over("steep_seat", _shift_by_gap, _SLIDES)
+_turning = _check_limit("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
+_wide = _check_limit(
+    "wide_contact", lambda load: 2 * load.std / load.contact.model.initial_contact_radius, _NARROW
+)
+_thick_layer = _check_limit("thick_layer", _gap_over_radius, _THICK_LAYER, _NO_LAYER)
+_slides = _check_limit("steep_seat", _shift_by_gap, _SLIDES)
 
 
 def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -549,14 +549,14 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
         touch = body.held.contact_dofs[0, np.argmin(np.abs(body.held.contact_x))]
         outwards.append(float(at_rest.displacement(body, model)[touch]))
     # the closure follows along the axis, so that the faces stay together
-    beyond = outwards[0] - outwards[1]
-    slide = abs(beyond) / model.touch_normal_z
+    shift = outwards[0] - outwards[1]
+    slide = abs(shift) / model.touch_normal_z
     contact = problem.contact
     bends = abs(contact.closure_curvature * contact.seat_curvature)
     turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
     ends = min(abs(end) for end in contact.reach)
     if turn > _TURNS or slide > _NEAR_END * ends:
-        numbers: dict[str, Any] = {"slide": slide, "beyond": beyond, "turn": math.degrees(turn), "ends": ends}
+        numbers: dict[str, Any] = {"slide": slide, "beyond": shift, "turn": math.degrees(turn), "ends": ends}
         yield caution("heat", **numbers, **contact.labels)
 
 
@@ -566,22 +566,22 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         return
     contact, load = problem.contact, max(loads, key=lambda load: load.contact.approach)
     model, half = load.contact.model, contact.closure.extent[1][0] - contact.seat.extent[1][0]
-    meeting = problem.meeting(model, half)
-    if load.contact.approach > meeting:
-        way, apart, stop = (
-            1e6 * problem.faces * one for one in (load.contact.closing, meeting - model.touch, half)
+    limit = problem.meeting(model, half)
+    if load.contact.approach > limit:
+        way, room, stop = (
+            1e6 * problem.faces * length for length in (load.contact.closing, limit - model.touch, half)
         )
-        yield caution("flanges_meet", load, loads, outside=True, way=way, apart=apart, stop=stop)
+        yield caution("flanges_meet", load, loads, outside=True, way=way, apart=room, stop=stop)
 
 
 def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    creeping = {name: one for name, one in problem.labelled_materials.items() if one.creeps}
-    for (name, material), text in zip(creeping.items(), creep_remarks(creeping), strict=True):
+    materials = {name: material for name, material in problem.labelled_materials.items() if material.creeps}
+    for (name, material), text in zip(materials.items(), creep_remarks(materials), strict=True):
         yield Finding("creep", Level.DOUBTFUL, f"{name}: {material.name} creeps", text)
 
 
 def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    yield from (one for one in _temperature_cautions(problem) if one.level is not Level.VALID)
+    yield from (finding for finding in _temperature_cautions(problem) if finding.level is not Level.VALID)
 
 
 def _stress(pressure: float, load: LoadResult, limit: float) -> str:
@@ -591,33 +591,33 @@ def _stress(pressure: float, load: LoadResult, limit: float) -> str:
 
 def _two_digits(value: float, unit: str) -> str:
     """A force or pressure [SI] in a unit of the field, or that in its place."""
-    own = fixed_unit(unit)
-    return f"{number(own.of(value), 2)} {own.name}"
+    symbol = fixed_unit(unit)
+    return f"{number(symbol.of(value), 2)} {symbol.name}"
 
 
-def _times(share: float, load: LoadResult, most: int = 2) -> str:
+def _times(share: float, load: LoadResult, digits: int = 2) -> str:
     """A pressure or stress over its limit."""
-    return format_at_limit(share, 1.0, min(load.pressure_digits, most))
+    return format_at_limit(share, 1.0, min(load.pressure_digits, digits))
 
 
-def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
+def _um(length: float, load: LoadResult, digits: int = DIGITS) -> str:
     """A length with the accuracy of the contact width, in um or what is in its place."""
-    return fixed_quantity("um", length, min(load.digits_of("std"), most))
+    return fixed_quantity("um", length, min(load.digits_of("std"), digits))
 
 
 def _highest_pressure(load: LoadResult) -> float:
     """Highest contact pressure of this load and the loads before; of a seal that is not round, around its axis [Pa]."""
-    before = load.tightest.highest
+    highest = load.tightest.highest
     return (
-        before if load.circumference is None else max(before, float(load.circumference.peak_pressure.max()))
+        highest if load.circumference is None else max(highest, float(load.circumference.peak_pressure.max()))
     )
 
 
 def _named_pressure(load: LoadResult) -> str:
     """Name of `_highest_pressure`."""
     profile = load.tightest
-    now = profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
-    return sentence("pressures", "now" if now else "before")
+    is_current = profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
+    return sentence("pressures", "now" if is_current else "before")
 
 
 def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -650,7 +650,7 @@ def _is_sealed(load: LoadResult, sealing: float) -> bool:
     return profile.highest >= sealing and leak.leak_rate == 0.0
 
 
-def _sealed(surface: RoughContact, loads: Sequence[LoadResult], sealing: float) -> Iterator[Finding]:
+def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: float) -> Iterator[Finding]:
     tight = [load for load in loads if _is_sealed(load, sealing)]
     if tight:
         load = max(tight, key=lambda load: load.peak_pressure)
@@ -679,7 +679,7 @@ def _nearly_sealed(
         return
     load = max(leaky, key=lambda load: load.peak_pressure)
     if problem.flow is not None and problem.flow.simulated is not None:
-        yield from _simulated(problem.flow.simulated.table(surface), load, loads)
+        yield from _direct_cautions(problem.flow.simulated.table(surface), load, loads)
         return
     yield from _few_channels(load, loads, surface)
     if surface.most_contact_area(load.peak_pressure) <= DIRECT_END:
@@ -687,29 +687,29 @@ def _nearly_sealed(
     area = float(surface.contact_area(load.peak_pressure))
     if area <= DIRECT_END:
         return
-    leak, closed = load.leak, (area - DIRECT_END) / (_CLOSED - DIRECT_END)
-    least, most = ORDERS_OF_MAGNITUDE ** -min(closed, 1.0), math.inf
+    leak, share_closed = load.leak, (area - DIRECT_END) / (_CLOSED_AREA - DIRECT_END)
+    low, high = ORDERS_OF_MAGNITUDE ** -min(share_closed, 1.0), math.inf
     if load.circumference is not None:
         # what a form error adds has no bound
-        most = 1.0 / least
+        high = 1.0 / low
     elif leak is not None and leak.leak_rate > 0.0 and load.leak_before_sealing > 0.0:
-        most = max(load.leak_before_sealing / leak.leak_rate, 1.0)
-    off = Validity.of(_few_channels(load, loads, surface)).leak_factor.high
-    bound = "with_lay" if off > 1.0 and surface.peklenik != 1.0 else "bounded"
-    known = load.circumference is None and off * most < ORDERS_OF_MAGNITUDE
+        high = max(load.leak_before_sealing / leak.leak_rate, 1.0)
+    few = Validity.of(_few_channels(load, loads, surface)).leak_factor.high
+    bound = "with_lay" if few > 1.0 and surface.peklenik != 1.0 else "bounded"
+    finite = load.circumference is None and few * high < ORDERS_OF_MAGNITUDE
     side = "close" if load.peak_pressure < sealing else "short"
     yield caution(
         "close_to_threshold",
         load,
         loads,
-        leak_factor=Bounds(least, most),
-        found=False,
+        leak_factor=Bounds(low, high),
+        proven=False,
         area=area,
         surface=surface,
         briefly=sentence("close_to_threshold", f"{side}_briefly"),
         near=sentence("close_to_threshold", side, surface=surface),
         direct_end=DIRECT_END,
-        bound=sentence("close_to_threshold", bound if known else "unbounded", times=number(off * most, 2)),
+        bound=sentence("close_to_threshold", bound if finite else "unbounded", times=number(few * high, 2)),
     )
 
 
@@ -720,26 +720,26 @@ def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughC
     if surface.peklenik == 1.0 and (known_all or surface.most_contact_area(load.peak_pressure) <= _NOT_FEW):
         return
     area = float(surface.contact_area(load.peak_pressure))
-    faded = min(max((area - _NOT_FEW) / (_FEW_CHANNELS - _NOT_FEW), 0.0), 1.0)
+    weight = min(max((area - _NOT_FEW) / (_FEW_CHANNELS - _NOT_FEW), 0.0), 1.0)
     if known_all:
-        faded *= min(abs(math.log2(surface.peklenik)), 1.0)
-    few, lay = _between(_FACTORS, area) ** faded, _lay_factor(area, surface.peklenik)
-    factor, of_lay, near = max(few, lay), lay > _LAY_REPORTED, area > DIRECT_END
+        weight *= min(abs(math.log2(surface.peklenik)), 1.0)
+    few, lay = _interpolate_factor(_FACTORS, area) ** weight, _lay_factor(area, surface.peklenik)
+    factor, of_lay, is_near = max(few, lay), lay > _LAY_REPORTED, area > DIRECT_END
     if of_lay or known_all:
         long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
         ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
-        known = [sentence("lay", one, known=_LAY_KNOWN, longest=_LAY_LONGEST) for one in ends]
+        ends_of_range = [sentence("lay", end, known=_LAY_KNOWN, longest=_LAY_LONGEST) for end in ends]
         yield caution(
             "lay",
             load,
             loads,
-            leak_factor=fading(Bounds.factor_bounds(factor), math.log(lay) / math.log(_LAY_REPORTED)),
-            told=of_lay and not near,
-            found=not known,
+            leak_factor=fade_in(Bounds.factor_bounds(factor), math.log(lay) / math.log(_LAY_REPORTED)),
+            is_reported=of_lay and not is_near,
+            proven=not ends_of_range,
             lay=factor,
             area=area,
             surface=surface,
-            beyond=sentence("lay", "beyond", known=" and ".join(known)) if known else "",
+            beyond=sentence("lay", "beyond", known=" and ".join(ends_of_range)) if ends_of_range else "",
         )
     else:
         yield caution(
@@ -747,57 +747,57 @@ def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughC
             load,
             loads,
             leak_factor=Bounds.factor_bounds(factor),
-            told=area > _FEW_CHANNELS and not near,
+            is_reported=area > _FEW_CHANNELS and not is_near,
             area=area,
             factor=factor,
             few_channels=_FEW_CHANNELS,
         )
 
 
-def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
     peak, (low, high) = load.peak_pressure, table.range
     at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
     unit = fixed_unit("MPa")
-    simulated = (
+    range_text = (
         f"{round_digits(unit.of(low), DIGITS):g} to {round_digits(unit.of(high), DIGITS):g} {unit.name}"
     )
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
-        yield caution("direct_range", load, loads, side=side, simulated=simulated, at=at)
+        yield caution("direct_range", load, loads, side=side, simulated=range_text, at=at)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
     if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
-        n, of, pressed = tight[-1].blocked, tight[-1].samples, format_value(tight[-1].pressure, ".4g MPa")
-        yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressed, at=at)
+        n, of, pressure = tight[-1].blocked, tight[-1].samples, format_value(tight[-1].pressure, ".4g MPa")
+        yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressure, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
-    down, up = (math.exp(one) for one in table.log_error(row))
+    below, above = (math.exp(error) for error in table.log_error(row))
     octave = 1.0 / row.cutoff_ratio if row.cutoff_ratio > 0.0 else math.inf
-    if max(down, up) > _UNSURE:
+    if max(below, above) > _UNSURE:
         yield caution(
             "direct_scatter",
             load,
             loads,
-            leak_factor=Bounds(1.0 / down, up),
-            down=down,
-            up=up,
+            leak_factor=Bounds(1.0 / below, above),
+            down=below,
+            up=above,
             at=at,
             samples=sentence("direct_scatter", "samples" if row.samples > 1 else "sample", row=row),
             octave=sentence("direct_scatter", "changes" if row.cutoff_ratio > 0.0 else "decides", by=octave),
         )
 
 
-def _between(factors: Sequence[tuple[float, float]], area: float) -> float:
+def _interpolate_factor(factors: Sequence[tuple[float, float]], area: float) -> float:
     """A factor that was found at some A/A0, without a step between them: a larger load must not seem to leak more."""
-    areas, found = zip(*factors, strict=True)
-    return math.exp(np.interp(area, areas, np.log(found)))
+    areas, values = zip(*factors, strict=True)
+    return math.exp(np.interp(area, areas, np.log(values)))
 
 
 def _lay_factor(area: float, peklenik: float) -> float:
     """Largest factor by which the theory's flow conductivity differs from direct numerical results because of a lay."""
     ratio = max(peklenik, 1.0 / peklenik)
-    known = _LAY_ALONG if peklenik >= 1.0 else _between(_LAY_ACROSS, area)
-    return float(known ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
+    factor = _LAY_ALONG if peklenik >= 1.0 else _interpolate_factor(_LAY_ACROSS, area)
+    return float(factor ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
 
 
 def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -814,23 +814,23 @@ def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResu
 def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     load = min(loads, key=lambda load: load.std)
     std, spectrum = load.std, surface.spectrum
-    above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
-    share = 1.0 - above
-    factors, more = EXACT, ""
+    share_above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
+    share = 1.0 - share_above
+    factors, effect = EXACT, ""
     if surface.knows_deviation:
         factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
-        more = sentence("long_waves", "more", factors=factors)
-    told, factors = share > _LONG_WAVES, fading(factors, share / _LONG_WAVES)
-    if told or factors.apart:
+        effect = sentence("long_waves", "more", factors=factors)
+    reports, factors = share > _LONG_WAVES, fade_in(factors, share / _LONG_WAVES)
+    if reports or factors.apart:
         yield caution(
             "long_waves",
             load,
             loads,
             leak_factor=factors,
-            told=told,
+            is_reported=reports,
             share=share_text(share),
             std=_um(std, load),
-            more=more,
+            more=effect,
         )
 
 
@@ -841,16 +841,16 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
         load = max(loads, key=_fluid_over_contact)
         share = _fluid_over_contact(load)
         times = opening_factor(share)
-        most = sentence("fluid_opens", "about" if share < _FLUID_LIFTS else "several", times=times)
+        text = sentence("fluid_opens", "about" if share < _FLUID_LIFTS else "several", times=times)
         yield caution(
             "fluid_opens",
             load,
             loads,
             outside=share > _FLUID_LIFTS,
-            leak_factor=fading(Bounds(1.0, times), share / FLUID_OPENS),
-            told=share > FLUID_OPENS,
+            leak_factor=fade_in(Bounds(1.0, times), share / FLUID_OPENS),
+            is_reported=share > FLUID_OPENS,
             share=share,
-            most="" if load.whole.parts else most,
+            most="" if load.whole.parts else text,
         )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.materials import ROOM_TEMPERATURE, in_degrees
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, caution, fading, sentence
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, caution, fade_in, sentence
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.seal.problem import SealProblem
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 # Pressure from which on the thickening of a liquid should be known [Pa].
 _THICKENS = 2e7
 # Bounds of the thickening of an unknown liquid: mixtures with water (Barus [1/Pa]) and oils (exponent of Roelands).
-_LEAST, _MOST = 2.5e-9, 0.75
+_LEAST_BARUS, _LARGEST_ROELANDS = 2.5e-9, 0.75
 # Viscosity below which Roelands' law predicts too little thickening [Pa s].
 _THIN = 5e-4
 # Uncertainty of the leak rate from the pressure law, and thickening beyond its range, above which they are reported.
-_UNCERTAIN, _SLIGHTLY = 0.2, 1.05
+_UNCERTAIN, _SLIGHT = 0.2, 1.05
 
 # Share of the driving force of a gas that inertia takes: doubtful above the first, void above the second; Mach number
 # of choking.
-_ACCELERATED, _CHOKED, _CHOKES = 0.05, 0.3, 0.8
+_DOUBTFUL_SHARE, _VOID_SHARE, _CHOKING_MACH = 0.05, 0.3, 0.8
 # Reynolds numbers: of the hydraulic diameter, where flow becomes turbulent, and of the gap times gap over width.
-_TURBULENT, _REDUCED = 2000.0, 1.0
+_TURBULENT, _INERTIAL = 2000.0, 1.0
 # Share of the pressure that inertia takes at a reduced Reynolds number of one: 6/5 of rho v^2 over 12 eta v L/u^2.
 _PRESSURE_SHARE = 0.1
 # Density of a liquid for which none is given [kg/m^3].
@@ -56,8 +56,8 @@ def opening_factor(share: float) -> float:
     share : float
         Fluid pressure over peak contact pressure [-].
     """
-    beyond = max(2.0 * share - 1.0, 0.0)
-    return math.inf if beyond >= 1.0 else 1.0 + 1.7 * share / (1.0 - beyond) ** 2
+    excess = max(2.0 * share - 1.0, 0.0)
+    return math.inf if excess >= 1.0 else 1.0 + 1.7 * share / (1.0 - excess) ** 2
 
 
 def film_cautions(problem: SealProblem) -> Iterator[Finding]:
@@ -67,18 +67,18 @@ def film_cautions(problem: SealProblem) -> Iterator[Finding]:
     ----------
     problem : SealProblem
     """
-    given = problem.at_rest.fluid_temperature
-    if given is None:
+    temperature = problem.at_rest.fluid_temperature
+    if temperature is None:
         return
-    name, film, near = "film_temperature", ROOM_TEMPERATURE, NEAR
+    name, film, limit = "film_temperature", ROOM_TEMPERATURE, NEAR
     if problem.at_rest.temperatures:
         film = math.fsum(problem.at_rest.temperatures.values()) / len(problem.at_rest.temperatures)
     else:
         # oil of 50 degC is usual in a valve whose metals are those of a table at 20 degC
-        name, near = "body_temperature", 2 * NEAR
-    if abs(given - film) > near:
-        found = caution(name, given=in_degrees(given), film=in_degrees(film))
-        yield found if abs(given - film) >= FAR else replace(found, level=Level.VALID)
+        name, limit = "body_temperature", 2 * NEAR
+    if abs(temperature - film) > limit:
+        finding = caution(name, given=in_degrees(temperature), film=in_degrees(film))
+        yield finding if abs(temperature - film) >= FAR else replace(finding, level=Level.VALID)
 
 
 def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -90,8 +90,8 @@ def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Fin
     loads : sequence of LoadResult
         Each caution is about the worst of them.
     """
-    own = _thickening if flow.gas is None else _dense_gas
-    yield from (one for check in (molecule_cautions, own, _inertia) for one in check(flow, loads))
+    check_kind = _thickening if flow.gas is None else _dense_gas
+    yield from (item for check in (molecule_cautions, check_kind, _inertia) for item in check(flow, loads))
 
 
 def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -109,15 +109,15 @@ def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[
     # no path at all is no matter of molecules, unless a short contact leaks nevertheless
     narrow = [(gap, load) for gap, load in gaps if gap < _FEW * size and (gap > 0.0 or _leaks(load))]
     if narrow:
-        gap, load = min(narrow, key=lambda one: one[0])
+        gap, load = min(narrow, key=lambda pair: pair[0])
         tight = 1.0 if gap <= size else math.log(_FEW * size / gap) / math.log(_FEW)
         yield caution(
             "molecules",
             load,
             loads,
             leak_factor=Bounds(ORDERS_OF_MAGNITUDE**-tight, 1.0),
-            found=False,
-            told=0.0 < gap < size,
+            proven=False,
+            is_reported=0.0 < gap < size,
             gap=gap,
             size=size,
         )
@@ -132,16 +132,16 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
         yield from _unknown_thickening(flow, load, loads)
         return
     ratio = float(law.viscosity_ratio(pressure))
-    if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHTLY):
-        known = format_value(law.highest_pressure, ".4g bar")
-        yield caution("thickening_extrapolated", load, loads, known=known, flow=flow, ratio=ratio)
+    if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHT):
+        limit = format_value(law.highest_pressure, ".4g bar")
+        yield caution("thickening_extrapolated", load, loads, known=limit, flow=flow, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     yield caution(
         "thickening_uncertain",
         load,
         loads,
-        leak_factor=fading(Bounds.factor_bounds(1.0 + share), share / _UNCERTAIN),
-        told=share > _UNCERTAIN,
+        leak_factor=fade_in(Bounds.factor_bounds(1.0 + share), share / _UNCERTAIN),
+        is_reported=share > _UNCERTAIN,
         share=share_text(share),
         flow=flow,
         known=share_text(law.uncertainty),
@@ -154,21 +154,21 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
     pressure = load.fluid_pressure
     if not pressure > 0.0:
         return
-    little, much = Barus(_LEAST), Roelands(_MOST, max(flow.viscosity, _THIN))
-    most, least = (1.0 / effective_viscosity_ratio(law, pressure) for law in (little, much))
-    share = f"{least:.2g} to {most:.2g}"
+    weak, strong = Barus(_LEAST_BARUS), Roelands(_LARGEST_ROELANDS, max(flow.viscosity, _THIN))
+    high, low = (1.0 / effective_viscosity_ratio(law, pressure) for law in (weak, strong))
+    share = f"{low:.2g} to {high:.2g}"
     yield caution(
         "thickening_unknown",
         load,
         loads,
-        leak_factor=fading(Bounds(least, most), pressure / _THICKENS),
-        found=False,
-        told=pressure > _THICKENS,
+        leak_factor=fade_in(Bounds(low, high), pressure / _THICKENS),
+        proven=False,
+        is_reported=pressure > _THICKENS,
         pressure=format_value(pressure, ".4g bar"),
         share=share,
         flow=flow,
-        little=1e9 * little.coefficient,
-        much=1e9 * much.coefficient,
+        little=1e9 * weak.coefficient,
+        much=1e9 * strong.coefficient,
     )
 
 
@@ -179,41 +179,41 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
     if gas.real is not None and highest > gas.real.highest_pressure:
-        at, known = (format_value(one, ".4g bar") for one in (highest, gas.real.highest_pressure))
+        at, limit = (format_value(pressure, ".4g bar") for pressure in (highest, gas.real.highest_pressure))
         condenses = gas.real.condenses
         yield caution(
-            "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=known
+            "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=limit
         )
     elif gas.real is None and highest > (liquid := condensation_pressure(gas)):
-        at, known = (format_value(one, ".4g bar") for one in (highest, liquid))
-        yield caution("condensed", outside=True, gas=gas, at=at, known=known)
-        yield from _not_ideal(flow, gas, liquid, told=False)
+        at, limit = (format_value(pressure, ".4g bar") for pressure in (highest, liquid))
+        yield caution("condensed", outside=True, gas=gas, at=at, known=limit)
+        yield from _not_ideal(flow, gas, liquid, is_reported=False)
     elif gas.real is None and highest > 0.5 * gas.dilute_pressure:
-        yield from _not_ideal(flow, gas, highest, told=highest > gas.dilute_pressure)
+        yield from _not_ideal(flow, gas, highest, is_reported=highest > gas.dilute_pressure)
 
 
-def _not_ideal(flow: FlowModel, gas: Gas, highest: float, *, told: bool) -> Iterator[Finding]:
+def _not_ideal(flow: FlowModel, gas: Gas, highest: float, *, is_reported: bool) -> Iterator[Finding]:
     from leak import real_gas_flow_ratio
     from leak.fluids.library import coolprop_name, estimated_real_gas
 
-    real, other = estimated_real_gas(gas, highest), coolprop_name(gas.name)
-    leaks, there, ratio = "", "", 1.0
+    real, name = estimated_real_gas(gas, highest), coolprop_name(gas.name)
+    leaks, effect, ratio = "", "", 1.0
     if real is not None:
         ratio = real_gas_flow_ratio(real, highest, flow.outlet_pressure)
         leaks = sentence("not_ideal_gas", "leaks", ratio=ratio)
         factors = {"factor": float(real.factor(highest)), "viscosity": float(real.viscosity_ratio(highest))}
-        there = sentence("not_ideal_gas", "there", leaks=leaks, **factors)
+        effect = sentence("not_ideal_gas", "there", leaks=leaks, **factors)
     yield caution(
         "not_ideal_gas",
-        leak_factor=fading(Bounds(min(ratio, 1.0), max(ratio, 1.0)), highest / gas.dilute_pressure),
-        found=False,
-        told=told,
+        leak_factor=fade_in(Bounds(min(ratio, 1.0), max(ratio, 1.0)), highest / gas.dilute_pressure),
+        proven=False,
+        is_reported=is_reported,
         gas=gas,
         at=format_value(highest, ".4g bar"),
         dilute=format_value(gas.dilute_pressure, ".4g bar"),
         leaks=leaks,
-        there=there,
-        remedy="" if other is None else sentence("not_ideal_gas", "remedy", other=other),
+        there=effect,
+        remedy="" if name is None else sentence("not_ideal_gas", "remedy", other=name),
     )
 
 
@@ -223,10 +223,10 @@ def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     # the other readings of yielding asperities only where their leak is already calculated
     others = [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
     for end, pairs in ((False, [(load, load) for load in loads]), (True, others)):
-        found = fastest(flow, loads, pairs, end=end)
-        if found is not None:
-            yield found
-            if found.text:
+        finding = fastest(flow, loads, pairs, end=end)
+        if finding is not None:
+            yield finding
+            if finding.text:
                 return
 
 
@@ -238,30 +238,30 @@ def _fastest_gas(
     end: bool,
 ) -> Finding | None:
     """Finding about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
-    found = [(inertia, load) for load, read in pairs if (inertia := _inertia_of(flow, read))]
-    if not found:
+    flows = [(inertia, load) for load, scenario in pairs if (inertia := _inertia_of(flow, scenario))]
+    if not flows:
         return None
-    (numbers, reduced), load = max(found, key=lambda one: (one[0][0].acceleration, one[0][1]))
-    worst_reynolds = max(one[0][0].reynolds for one in found)
-    outside = numbers.acceleration > _CHOKED or worst_reynolds > _TURBULENT
-    over = max(numbers.acceleration / _ACCELERATED, reduced / _REDUCED, worst_reynolds / _TURBULENT)
-    told = over > 1.0
-    if end and not told:
+    (numbers, reduced_Re), load = max(flows, key=lambda flow: (flow[0][0].acceleration, flow[0][1]))
+    worst_reynolds = max(flow[0][0].reynolds for flow in flows)
+    is_void = numbers.acceleration > _VOID_SHARE or worst_reynolds > _TURBULENT
+    ratio = max(numbers.acceleration / _DOUBTFUL_SHARE, reduced_Re / _INERTIAL, worst_reynolds / _TURBULENT)
+    is_reported = ratio > 1.0
+    if end and not is_reported:
         return None
-    least = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced))
+    low = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced_Re))
     return caution(
         "gas_inertia_of_end" if end else "gas_inertia",
-        outside=outside and not end,
-        leak_factor=fading(Bounds(1.0 if end else max(least, 0.0), 1.0), over),
-        found=False,
-        told=told,
-        place=_where(load, loads, end=end),
+        outside=is_void and not end,
+        leak_factor=fade_in(Bounds(1.0 if end else max(low, 0.0), 1.0), ratio),
+        proven=False,
+        is_reported=is_reported,
+        place=_describe_place(load, loads, end=end),
         fast=f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}",
         share=share_text(numbers.acceleration),
-        limit=100 * _ACCELERATED,
-        reduced=_two(reduced),
-        most=_REDUCED,
-        chokes=sentence("gas_inertia", "chokes") if numbers.mach > _CHOKES else "",
+        limit=100 * _DOUBTFUL_SHARE,
+        reduced=_two(reduced_Re),
+        most=_INERTIAL,
+        chokes=sentence("gas_inertia", "chokes") if numbers.mach > _CHOKING_MACH else "",
     )
 
 
@@ -273,26 +273,26 @@ def _fastest_liquid(
     end: bool,
 ) -> Finding | None:
     """`_fastest_gas` for a liquid."""
-    found = [(*numbers, load) for load, read in pairs if (numbers := _of_liquid(flow, read))]
+    flows = [(*numbers, load) for load, scenario in pairs if (numbers := _of_liquid(flow, scenario))]
     # a turbulent flow before any other
-    worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
-    reynolds, reduced, load = worst
-    over = max(reduced / _REDUCED, reynolds / _TURBULENT)
-    told = over > 1.0
-    if load is None or (end and not told):
+    worst = max(flows, key=lambda flow: (flow[0] > _TURBULENT, flow[1]), default=(0.0, 0.0, None))
+    reynolds, reduced_Re, load = worst
+    ratio = max(reduced_Re / _INERTIAL, reynolds / _TURBULENT)
+    is_reported = ratio > 1.0
+    if load is None or (end and not is_reported):
         return None
     return caution(
         "liquid_inertia_of_end" if end else "liquid_inertia",
         outside=reynolds > _TURBULENT and not end,
-        leak_factor=fading(Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0), over),
-        found=False,
-        told=told,
-        place=_where(load, loads, end=end),
+        leak_factor=fade_in(Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced_Re), 1.0), ratio),
+        proven=False,
+        is_reported=is_reported,
+        place=_describe_place(load, loads, end=end),
         fluid=flow.fluid,
         reynolds=_two(reynolds),
         turbulent=_TURBULENT,
-        reduced=_two(reduced),
-        most=_REDUCED,
+        reduced=_two(reduced_Re),
+        most=_INERTIAL,
     )
 
 
@@ -301,10 +301,10 @@ def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
 
     The gap is the uniform gap across the width of the contact with the same flow.
     """
-    found = _where_most_leaks(load) if _leak_known(load) else None
-    if found is None or not 0 < found[1].leak_rate < math.inf or not load.fluid_pressure > 0:
+    place = _where_most_leaks(load) if _leak_known(load) else None
+    if place is None or not 0 < place[1].leak_rate < math.inf or not load.fluid_pressure > 0:
         return None
-    (profile, leak), viscosity = found, flow.effective_viscosity(load.fluid_pressure) or flow.viscosity
+    (profile, leak), viscosity = place, flow.effective_viscosity(load.fluid_pressure) or flow.viscosity
     density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
     radius = float(profile.radius[int(profile.pressure.argmax())])
     per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std
@@ -329,18 +329,18 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
     share = 1.0 if flow is None else 1.0 / flow.faces
     if load.circumference is None:
         return None if load.leak is None else (load.tightest, load.leak.scaled(share * load.leak.leak_rate))
-    around = load.around
-    if around is None or around.leak is None or around.leak_rate is None:
+    circumference = load.around
+    if circumference is None or circumference.leak is None or circumference.leak_rate is None:
         return None
-    at = int(np.argmax(around.leak_rate))
-    whole = 2.0 * math.pi * float(around.leak_rate[at])
-    return around.profile_at(float(around.angle[at])), around.leak.scaled(share * whole)
+    at = int(np.argmax(circumference.leak_rate))
+    whole = 2.0 * math.pi * float(circumference.leak_rate[at])
+    return circumference.profile_at(float(circumference.angle[at])), circumference.leak.scaled(share * whole)
 
 
-def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
+def _describe_place(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
     """Load, place and reading of the fastest flow, in words."""
-    around = load.circumference is not None and bool(load.circumference.form.felt)
-    parts = [name for name, applies in (("load", True), ("around", around), ("end", end)) if applies]
+    has_waves = load.circumference is not None and bool(load.circumference.form.felt)
+    parts = [name for name, applies in (("load", True), ("around", has_waves), ("end", end)) if applies]
     clauses = [sentence("inertia_at", part, name=load_name(load, loads)) for part in parts]
     return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
 
@@ -355,17 +355,17 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     from leak import gas_inertia
     from leak.fluids.library import heat_capacity_ratio
 
-    found, table = _where_most_leaks(load), None if load.rough is None else load.rough.table
-    if found is None or table is None:
+    place, table = _where_most_leaks(load), None if load.rough is None else load.rough.table
+    if place is None or table is None:
         return None
-    here, leak = found
+    profile_there, leak = place
     if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = (load.whole if load.circumference is None else here).equivalent(table)
+    profile = (load.whole if load.circumference is None else profile_there).equivalent(table)
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure
     ratio = heat_capacity_ratio(flow.gas.name) or 1.4
     numbers = gas_inertia(profile.radius, gap, pressure, leak.mass_flow, flow.gas, ratio)
-    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * here.std)
+    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * profile_there.std)

@@ -10,7 +10,7 @@ import numpy as np
 from fem_seal.form import FormError
 from fem_seal.loads import LARGEST_EXCESS
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.findings import Bounds, Finding, Level, caution, fading
+from fem_seal.seal.findings import Bounds, Finding, Level, caution, fade_in
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit, share_text
@@ -59,10 +59,10 @@ _Circumferences = Sequence[tuple["LoadResult", "Circumference"]]
 
 
 def _short_waves(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Iterator[Finding]:
-    felt = circumferences[0][1].form.felt
-    total = sum(abs(one.amplitude) for one in felt)
-    waves = max(one.waves for one in felt if abs(one.amplitude) > _COUNTS * total)
-    load, _ = max(circumferences, key=lambda one: one[0].std)
+    waves_felt = circumferences[0][1].form.felt
+    total = sum(abs(wave.amplitude) for wave in waves_felt)
+    waves = max(wave.waves for wave in waves_felt if abs(wave.amplitude) > _COUNTS * total)
+    load, _ = max(circumferences, key=lambda pair: pair[0].std)
     std, r0 = load.std, load.contact.model.initial_contact_radius
     share = waves * std / r0
     if share > _LONG:
@@ -81,30 +81,32 @@ def _short_waves(loads: Sequence[LoadResult], circumferences: _Circumferences) -
 
 
 def _open(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Iterator[Finding]:
-    load, around = min(circumferences, key=lambda one: one[1].least_over_mean)
-    if around.least_over_mean < _OPEN:
-        share = float(np.mean(around.line_load < _OPEN * around.line_load.mean()))
+    load, circumference = min(circumferences, key=lambda pair: pair[1].least_over_mean)
+    if circumference.least_over_mean < _OPEN:
+        share = float(np.mean(circumference.line_load < _OPEN * circumference.line_load.mean()))
         yield caution("open_in_part", load, loads, share=share_text(share), limit=100 * _OPEN)
 
 
 def _fluid_opens(
     problem: SealProblem, loads: Sequence[LoadResult], circumferences: _Circumferences
 ) -> Iterator[Finding]:
-    def share(one: tuple[LoadResult, Circumference]) -> float:
-        return one[0].fluid_pressure / max(float(one[1].peak_pressure.min()), 1e-300)
+    def share(pair: tuple[LoadResult, Circumference]) -> float:
+        return pair[0].fluid_pressure / max(float(pair[1].peak_pressure.min()), 1e-300)
 
-    load, around = max(circumferences, key=share)
-    worst = share((load, around))
-    if problem.flow is not None and around.least_over_mean >= _OPEN:
+    load, circumference = max(circumferences, key=share)
+    worst = share((load, circumference))
+    if problem.flow is not None and circumference.least_over_mean >= _OPEN:
         # beside what it opens at the mean line load
-        more = opening_factor(worst) / opening_factor(min(load.fluid_pressure / load.peak_pressure, worst))
+        factor = opening_factor(worst) / opening_factor(min(load.fluid_pressure / load.peak_pressure, worst))
         yield caution(
             "fluid_opens_in_part",
             load,
             loads,
-            leak_factor=fading(Bounds(1.0, math.inf if math.isnan(more) else more), worst / _FLUID_OPENS),
-            found=False,
-            told=worst > _FLUID_OPENS,
+            leak_factor=fade_in(
+                Bounds(1.0, math.inf if math.isnan(factor) else factor), worst / _FLUID_OPENS
+            ),
+            proven=False,
+            is_reported=worst > _FLUID_OPENS,
             worst=worst,
         )
 
@@ -113,11 +115,11 @@ def _crest(
     problem: SealProblem, loads: Sequence[LoadResult], circumferences: _Circumferences
 ) -> Iterator[Finding]:
     """Stress at the largest line load: that at the mean line load, scaled with the peak pressure."""
-    limits = [one.yield_stress for one in problem.materials.values() if one.yield_stress is not None]
+    limits = [body.yield_stress for body in problem.materials.values() if body.yield_stress is not None]
     if not (limits and loads[0].contact.model.knows_stress):
         return
-    load, around = max(circumferences, key=lambda one: float(one[1].peak_pressure.max()))
-    ratio = float(around.peak_pressure.max()) / load.peak_pressure
+    load, circumference = max(circumferences, key=lambda pair: float(pair[1].peak_pressure.max()))
+    ratio = float(circumference.peak_pressure.max()) / load.peak_pressure
     stress = ratio * load.largest_stress[0]
     if load.largest_stress[0] <= min(limits) < stress:
         limit = min(limits)

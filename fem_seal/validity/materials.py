@@ -41,7 +41,7 @@ def material_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[
     """
     for name, temperature in problem.at_rest.temperatures.items():
         material, label, plain = problem.materials[name], problem.contact.label_of(name), []
-        named: dict[str, Any] = {"name": label, "table": _TABLES.get(label, name)}
+        names: dict[str, Any] = {"name": label, "table": _TABLES.get(label, name)}
         for key in _used_keys(problem, material) if bodies else _OF_SURFACE:
             value = getattr(material, key)
             # asperities yield at the hardness of the softer body alone
@@ -53,14 +53,14 @@ def material_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[
                 continue
             at = max(_used_temperatures(problem, key, temperature), key=table.beyond)
             if table.nearest and table.beyond(at) > NEAR:
-                yield _caution_beyond_table(named, material, key, at)
-        away = abs(temperature - ROOM_TEMPERATURE)
-        if plain and away > NEAR:
-            yield _plain_caution(named, material, plain, temperature)
+                yield _caution_beyond_table(names, material, key, at)
+        distance = abs(temperature - ROOM_TEMPERATURE)
+        if plain and distance > NEAR:
+            yield _plain_caution(names, material, plain, temperature)
         curves = material.hardening_over_temperature
         if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > NEAR:
-            found = caution("library_curve", **named, material=material.name, at=in_degrees(temperature))
-            yield found if away >= FAR else replace(found, level=Level.VALID)
+            finding = caution("library_curve", **names, material=material.name, at=in_degrees(temperature))
+            yield finding if distance >= FAR else replace(finding, level=Level.VALID)
 
 
 def _used_keys(problem: SealProblem, material: Material) -> Iterator[str]:
@@ -87,25 +87,25 @@ def _with_unit(key: str, value: float) -> str:
     return f"{value * factor:.4g}{unit}"
 
 
-def _table(key: str, known: float, at: float, value: str) -> str:
+def _table(key: str, end_of_table: float, at: float, value: str) -> str:
     # rounded outwards to tens: a calculated temperature changes a little with these numbers
-    tens, outwards = (at - 273.15) / 10.0, math.copysign(1.0, at - known)
+    tens, outwards = (at - 273.15) / 10.0, math.copysign(1.0, at - end_of_table)
     end = 10.0 * outwards * math.ceil(outwards * tens - 1e-6)
-    ends = [f'"{one}"' for one in (f"{known - 273.15:.4g} degC", f"{end:.4g} degC")]
+    ends = [f'"{text}"' for text in (f"{end_of_table - 273.15:.4g} degC", f"{end:.4g} degC")]
     values = [f'"{value}"', '"..."']
     order = slice(None, None, int(outwards))
     return f"{key} = {{ temperature = [{', '.join(ends[order])}], value = [{', '.join(values[order])}] }}"
 
 
-def _caution_beyond_table(named: Mapping[str, Any], material: Material, key: str, at: float) -> Finding:
+def _caution_beyond_table(names: Mapping[str, Any], material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
     assert table is not None  # only keys with a table are checked
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
     value, unit = table.at(end), _WORDS[key][1].strip()
     pressure = unit.endswith("Pa")
-    found = caution(
+    finding = caution(
         "beyond_temperatures",
-        **named,
+        **names,
         key=key,
         number=_WORDS[key][0],
         material=material,
@@ -115,20 +115,20 @@ def _caution_beyond_table(named: Mapping[str, Any], material: Material, key: str
         at=in_degrees(at),
         example=_table(key, end, at, _with_unit(key, value)),
     )
-    return found if table.beyond(at) >= FAR else replace(found, level=Level.VALID)
+    return finding if table.beyond(at) >= FAR else replace(finding, level=Level.VALID)
 
 
 def _plain_caution(
-    named: Mapping[str, Any], material: Material, keys: list[str], temperature: float
+    names: Mapping[str, Any], material: Material, keys: list[str], temperature: float
 ) -> Finding:
     value, several = _with_unit(keys[0], getattr(material, keys[0])), len(keys) > 1
-    found = caution(
+    finding = caution(
         "no_temperature",
-        **named,
+        **names,
         numbers=" and ".join(filter(None, (", ".join(keys[:-1]), keys[-1]))),
         have="have" if several else "has",
         are="are" if several else "is",
         at=in_degrees(temperature),
         example=_table(keys[0], ROOM_TEMPERATURE, temperature, value),
     )
-    return replace(found, level=Level.VALID)
+    return replace(finding, level=Level.VALID)

@@ -18,7 +18,7 @@ from fem_seal.case.paths import entry_at, entry_paths
 from fem_seal.case.traces import read_lay
 from fem_seal.cli.app import main
 from fem_seal.errors import TextTableError
-from fem_seal.form import FormError, Trace, Wave, WaveTolerance, along_normal, combined, rigid_wave
+from fem_seal.form import FormError, Trace, Wave, WaveTolerance, along_normal, combine_waves, rigid_wave
 from leak import SpiralLay
 
 TURN = 2 * np.pi * np.arange(360) / 360
@@ -37,7 +37,7 @@ def total(waves: Any, angle: np.ndarray = TURN) -> np.ndarray:
 
 @given(st.lists(WAVES, max_size=8))
 def test_combined_waves_are_the_same_deviation(waves: list[Wave]) -> None:
-    found = combined(waves)
+    found = combine_waves(waves)
     np.testing.assert_allclose(total(found), total(waves), atol=1e-19)
     numbers = [one.waves for one in found]
     assert numbers == sorted(set(numbers)) and all(one.amplitude >= 0 for one in found)
@@ -152,8 +152,8 @@ def test_waves_of_a_trace_with_gaps_and_an_offset() -> None:
     for found, given_one in zip(trace.waves(3), waves, strict=True):
         assert found.amplitude == pytest.approx(given_one.amplitude, rel=1e-8)
         assert found.phase == pytest.approx(given_one.phase, abs=1e-8)
-    assert trace.left_over(trace.waves(3)) < 1e-14
-    assert trace.left_over(trace.waves(2)) == pytest.approx(2e-7 / math.sqrt(2), rel=0.1)
+    assert trace.residual(trace.waves(3)) < 1e-14
+    assert trace.residual(trace.waves(2)) == pytest.approx(2e-7 / math.sqrt(2), rel=0.1)
 
 
 def test_the_highest_wave_that_a_trace_tells_is_found_at_any_phase() -> None:
