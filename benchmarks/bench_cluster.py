@@ -58,7 +58,7 @@ def dask(*command: str) -> subprocess.Popen[bytes]:
     )
 
 
-def ended(process: subprocess.Popen[bytes]) -> None:
+def end_process(process: subprocess.Popen[bytes]) -> None:
     """Kill a process with all that it has started."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
@@ -69,27 +69,27 @@ def ended(process: subprocess.Popen[bytes]) -> None:
 def cluster(workers: int):
     """Address of a scheduler with workers, their processes (the scheduler first), and how to start one more."""
     with tempfile.TemporaryDirectory() as folder:
-        told = Path(folder) / "scheduler.json"
+        place = Path(folder) / "scheduler.json"
         processes = [dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-                          "--scheduler-file", str(told))]  # fmt: skip
+                          "--scheduler-file", str(place))]  # fmt: skip
 
         def add() -> subprocess.Popen[bytes]:
-            processes.append(dask("worker", "--scheduler-file", str(told), "--nthreads", "1", "--no-dashboard",
+            processes.append(dask("worker", "--scheduler-file", str(place), "--nthreads", "1", "--no-dashboard",
                                   "--local-directory", folder))  # fmt: skip
             return processes[-1]
 
         try:
-            while not told.exists():
+            while not place.exists():
                 time.sleep(0.1)
             for _ in range(workers):
                 add()
-            yield json.loads(told.read_text())["address"], processes, add
+            yield json.loads(place.read_text())["address"], processes, add
         finally:
             for process in reversed(processes):
-                ended(process)
+                end_process(process)
 
 
-def done(folder: Path) -> int:
+def count_done(folder: Path) -> int:
     """How many designs stand in the folder of a study that runs."""
     try:
         with sqlite3.connect(f"file:{folder / 'study.sqlite'}?mode=ro", uri=True) as file:
@@ -136,30 +136,30 @@ class Watch:
     count: int
     processes: list[subprocess.Popen[bytes]]
     add: Callable[[], object]
-    over: threading.Event = field(default_factory=threading.Event)
-    seen: list[tuple[int, float, float]] = field(default_factory=list)
-    missing: list[float] = field(default_factory=list)
+    end: threading.Event = field(default_factory=threading.Event)
+    samples: list[tuple[int, float, float]] = field(default_factory=list)
+    missing_workers: list[float] = field(default_factory=list)
 
     def __call__(self) -> None:
         """Until it is over."""
         for share, act in ((1 / 3, self._lose), (1 / 2, self._gain), (1.0, lambda: None)):
-            while (now := done(self.folder)) < share * self.count and not self.over.wait(0.5):
-                self.seen.append((now, resident(os.getpid()), resident(self.processes[0].pid)))
+            while (count_now := count_done(self.folder)) < share * self.count and not self.end.wait(0.5):
+                self.samples.append((count_now, resident(os.getpid()), resident(self.processes[0].pid)))
             act()
 
     def _lose(self) -> None:
-        ended(self.processes[1])
-        self.missing.append(time.perf_counter())
-        print(f"  {done(self.folder)} designs: one worker killed", flush=True)
+        end_process(self.processes[1])
+        self.missing_workers.append(time.perf_counter())
+        print(f"  {count_done(self.folder)} designs: one worker killed", flush=True)
 
     def _gain(self) -> None:
         self.add()
-        self.missing.append(time.perf_counter())
-        print(f"  {done(self.folder)} designs: one worker added", flush=True)
+        self.missing_workers.append(time.perf_counter())
+        print(f"  {count_done(self.folder)} designs: one worker added", flush=True)
 
     def memory(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Of this process and of the scheduler [MB], at a tenth of the designs and at the end."""
-        late = [(own, scheduler) for now, own, scheduler in self.seen if now >= self.count / 10] or [
+        late = [(own, scheduler) for count, own, scheduler in self.samples if count >= self.count / 10] or [
             (0.0, 0.0)
         ]
         return late[0], late[-1]
@@ -178,8 +178,8 @@ def run(designs: int, workers: int = 2, compare: int = 2500) -> Cost:
 
     from fem_seal.studies.progress import Lines
 
-    asked = study(designs)
-    count = len(asked.points)
+    study_of_designs = study(designs)
+    count = len(study_of_designs.points)
     with tempfile.TemporaryDirectory() as top, cluster(workers) as (address, processes, add):
         watch = Watch(Path(top) / "cluster", count, processes, add)
         with Client(address) as client:
@@ -189,55 +189,55 @@ def run(designs: int, workers: int = 2, compare: int = 2500) -> Cost:
             watcher.start()
             start = time.perf_counter()
             try:
-                result = asked.run(client, folder=watch.folder, progress=Lines())
+                result = study_of_designs.run(client, folder=watch.folder, progress=Lines())
                 wall = time.perf_counter() - start
             finally:
-                watch.over.set()
+                watch.end.set()
                 watcher.join()
-        spent, failed, early, late = result.solve_seconds, result.counts["failed"], *watch.memory()
-        cost = spent / count
-        lost, gained = watch.missing
-        overhead = (wall * workers - (gained - lost)) / spent - 1
+        seconds, failures, first, late = result.solve_seconds, result.counts["failed"], *watch.memory()
+        cost = seconds / count
+        workers_lost, workers_gained = watch.missing_workers
+        overhead = (wall * workers - (workers_gained - workers_lost)) / seconds - 1
         print(
             f"{count} designs on {workers} workers over {address.split(':')[0]}: {wall:.0f} s, {1e3 * cost:.2f} ms per "
             f"design in its worker, overhead {100 * overhead:.0f} % of the workers that were there, one missing for "
-            f"{gained - lost:.0f} s; failed {failed}, load {os.getloadavg()[0]:.1f}\n"
-            f"memory at a tenth and at the end: this process {early[0]:.0f} and {late[0]:.0f} MB, scheduler "
-            f"{early[1]:.0f} and {late[1]:.0f} MB",
+            f"{workers_gained - workers_lost:.0f} s; failed {failures}, load {os.getloadavg()[0]:.1f}\n"
+            f"memory at a tenth and at the end: this process {first[0]:.0f} and {late[0]:.0f} MB, scheduler "
+            f"{first[1]:.0f} and {late[1]:.0f} MB",
             flush=True,
         )
-        compared = compare_here(asked, Path(top), max(count // compare, 1))
-    return Cost(count, failed, compared, wall, cost, overhead, late[0], late[0] - early[0])
+        count_compared = compare_here(study_of_designs, Path(top), max(count // compare, 1))
+    return Cost(count, failures, count_compared, wall, cost, overhead, late[0], late[0] - first[0])
 
 
-def compare_here(asked, top: Path, every: int) -> int:
+def compare_here(plan, top: Path, every: int) -> int:
     """Calculate every k-th design in this process, and say how many they are; all must be those of the cluster."""
     from fem_seal.studies.session import _column_types
     from fem_seal.studies.store import create
     from fem_seal.studies.work import DesignSpec, calculate, chunks
 
-    spec, start = DesignSpec.of(asked), time.perf_counter()
-    store = create(top / "here" / "study.sqlite", _column_types(asked), asked.output_names)
+    spec, start = DesignSpec.of(plan), time.perf_counter()
+    store = create(top / "here" / "study.sqlite", _column_types(plan), plan.output_names)
     with closing(store):
-        for chunk in chunks(spec, asked.points[::every]):
+        for chunk in chunks(spec, plan.points[::every]):
             store.write(calculate(spec, chunk))
     with closing(sqlite3.connect(store.path)) as file:
         file.execute("ATTACH ? AS far", (str(top / "cluster" / "study.sqlite"),))
         columns = [row[1] for row in file.execute("PRAGMA table_info(point)") if row[1] != "seconds"]
         equal = " AND ".join(f'one."{name}" IS other."{name}"' for name in columns)
-        (here,) = file.execute("SELECT count(*) FROM main.point").fetchone()
+        (count,) = file.execute("SELECT count(*) FROM main.point").fetchone()
         query = (
             f"SELECT count(*) FROM main.point one JOIN far.point other ON one.key = other.key WHERE {equal}"
         )
         (same,) = file.execute(query).fetchone()
     print(
-        f"{same} of {here} designs calculated here as well, in {time.perf_counter() - start:.0f} s, are equal in all "
+        f"{same} of {count} designs calculated here as well, in {time.perf_counter() - start:.0f} s, are equal in all "
         f"{len(columns)} columns, to the last bit",
         flush=True,
     )
-    if same != here:
-        raise RuntimeError(f"the tables differ in {here - same} designs")
-    return int(here)
+    if same != count:
+        raise RuntimeError(f"the tables differ in {count - same} designs")
+    return int(count)
 
 
 def main() -> None:
@@ -248,8 +248,8 @@ def main() -> None:
     parser.add_argument("designs", type=int, nargs="?", default=2500)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--compare", type=int, default=2500, help="designs that are calculated here as well")
-    given = parser.parse_args()
-    run(given.designs, given.workers, given.compare)
+    options = parser.parse_args()
+    run(options.designs, options.workers, options.compare)
 
 
 if __name__ == "__main__":

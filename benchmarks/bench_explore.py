@@ -23,18 +23,18 @@ EXAMPLES = Path(__file__).parent.parent / "examples"
 DEFAULT = [EXAMPLES / f"{name}.toml" for name in ("ball_cone", "helium", "poppet_on_land")]
 
 
-def timed(session: Session, designs: list[dict[str, str]]) -> list[float]:
+def time_designs(session: Session, designs: list[dict[str, str]]) -> list[float]:
     """Processor time of each answer with its pictures [ms]."""
-    found = []
+    times = []
     for design in designs:
         start = time.process_time()
         screen = session.answer(design)
         for figure in figures(designs_shown(screen, []), dark=False).values():
             json.dumps(figure.plain())
-        found.append(1e3 * (time.process_time() - start))
+        times.append(1e3 * (time.process_time() - start))
         if screen.problem:
             print(f"    {design}: {screen.problem}")
-    return found
+    return times
 
 
 def moves(factor: Factor, count: int) -> list[dict[str, str]]:
@@ -47,23 +47,23 @@ def measure(path: Path, count: int) -> None:
     case = load_case(path)
     start = time.process_time()
     session = Session(case)
-    timed(session, [{}])
+    time_designs(session, [{}])
     print(f"{path.stem}: first answer {time.process_time() - start:.2f} s")
     for factor in session.factors.sliders:
         designs = moves(factor, count)
         if factor.group == "surface":
             for design in designs:
                 session.answer(design)
-        show(factor.label, timed(session, designs))
+        show(factor.label, time_designs(session, designs))
     force = next(factor for factor in session.factors.sliders if factor.key == "force")
-    chosen = {choice.key: choice.value for choice in choices_of(case)["surface"]}
+    choices = {choice.key: choice.value for choice in choices_of(case)["surface"]}
     for name in ("water", "nitrogen"):
-        if name != chosen.get("fluid.name", name):
+        if name != choices.get("fluid.name", name):
             start = time.process_time()
-            other = Session(apply_choice(case, "fluid.name", name))
-            made = 1e3 * (time.process_time() - start)
-            first, *again = timed(other, [{}, {"force": force.stops[-1]}])
-            print(f"    fluid {name}: first time {made + first:.0f} ms, then {again[0]:.0f} ms")
+            other_session = Session(apply_choice(case, "fluid.name", name))
+            time_to_open = 1e3 * (time.process_time() - start)
+            first, *more_times = time_designs(other_session, [{}, {"force": force.stops[-1]}])
+            print(f"    fluid {name}: first time {time_to_open + first:.0f} ms, then {more_times[0]:.0f} ms")
 
 
 def show(label: str, times: list[float]) -> None:
@@ -76,6 +76,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", type=Path, default=DEFAULT)
     parser.add_argument("--moves", type=int, default=8)
-    chosen = parser.parse_args()
-    for one in chosen.cases:
-        measure(one, chosen.moves)
+    options = parser.parse_args()
+    for case_file in options.cases:
+        measure(case_file, options.moves)

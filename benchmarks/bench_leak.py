@@ -11,7 +11,7 @@ from itertools import count
 
 import numpy as np
 import pytest
-from measured_process import measured
+from measured_process import measure_process
 
 import leak
 
@@ -57,8 +57,8 @@ def test_gas_flow_of_a_profile(benchmark):
     line = leak.gaussian_line(20e3, 0.02, 0.139e-3**2 / 0.02)
     x = np.linspace(-3.5, 3.5, 200) * line.std
     helium = leak.gas("helium")
-    found = benchmark(leak.gas_leak_flow, x, line.pressure(x), table, helium, 2e5, 1e5, 0.0141421)
-    assert found.mass_flow > 0
+    result = benchmark(leak.gas_leak_flow, x, line.pressure(x), table, helium, 2e5, 1e5, 0.0141421)
+    assert result.mass_flow > 0
 
 
 @pytest.mark.parametrize("plastic", [False, True], ids=["elastic", "plastic"])
@@ -97,7 +97,7 @@ def test_import_of_the_package_leak(benchmark, tmp_path):
     costs = []
     benchmark.pedantic(
         lambda: costs.append(
-            measured([sys.executable, "-c", "from leak import RoughContact, leak_rate"], tmp_path)
+            measure_process([sys.executable, "-c", "from leak import RoughContact, leak_rate"], tmp_path)
         ),
         rounds=5,
         warmup_rounds=1,

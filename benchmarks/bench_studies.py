@@ -44,24 +44,24 @@ def run(name, workers, goal=None, **tables):
     with tempfile.TemporaryDirectory() as folder, closing(LocalWorkers(workers)) as processes:
         for worker in processes.names():
             processes.call(worker, ready).result()
-        before, own = processor_time(processes), time.process_time()
+        time_before, own_time = processor_time(processes), time.process_time()
         start = time.perf_counter()
         result = run_study(study, processes, folder=folder)
-        wall, own = time.perf_counter() - start, time.process_time() - own
-        spent = processor_time(processes) - before
-        count, designs, failed = len(study.points), result.solve_seconds, result.counts["failed"]
+        wall, own_time = time.perf_counter() - start, time.process_time() - own_time
+        worker_time = processor_time(processes) - time_before
+        count, designs, failures = len(study.points), result.solve_seconds, result.counts["failed"]
     # what the designs took holds the building of their cases, which is the study's own business
-    building = case_time(study) * count * designs / spent
+    building = case_time(study) * count * designs / worker_time
     overhead = (wall * workers - designs + building) / (designs - building)
     print(
         f"{name:38s} {workers} workers {count:6d} designs {wall:6.1f} s"
         f"{f' (goal {goal:.0f} s)' if goal else '':14s} {count / wall:5.1f}/s  "
-        f"processor {(spent + own) / workers:6.1f} s  "
+        f"processor {(worker_time + own_time) / workers:6.1f} s  "
         f"overhead {100 * overhead:4.1f} %, of it cases {100 * building / (designs - building):4.1f} %  "
-        f"failed {failed}  load {os.getloadavg()[0]:.1f}",
+        f"failed {failures}  load {os.getloadavg()[0]:.1f}",
         flush=True,
     )
-    return Cost(count, wall, (spent + own) / workers)
+    return Cost(count, wall, (worker_time + own_time) / workers)
 
 
 def processor_time(processes):
@@ -101,10 +101,10 @@ def memory(points):
         def results(self, spec, chunks):
             for n, chunk in enumerate(chunks):
                 if n % 50 == 0:
-                    seen.append(resident())
+                    samples.append(resident())
                 yield [Row(spec.key(p), spec.inputs(p), outputs, None, 0.0) for p in chunk]
 
-    seen = []
+    samples = []
     study = Study(CASE, **latin(points))
     spec, outputs = work.DesignSpec.of(study), (1.0,) * len(study.output_names)
     with tempfile.TemporaryDirectory() as folder:
@@ -114,14 +114,14 @@ def memory(points):
         store.set_design(spec.key(point) for point in study.points)
         start = time.process_time()
         session._fill(spec, store, Instant(), study, progress.Progress())
-        spent = time.process_time() - start
+        seconds = time.process_time() - start
         store.close()
-    rest = seen[len(seen) // 10 :]
+    rest = samples[len(samples) // 10 :]
     print(
         f"coordinator, {points} designs: resident {rest[0]:.0f} MB after a tenth, {rest[-1]:.0f} MB at the end; "
-        f"{1e6 * spent / points:.0f} us per design for hashing, ordering and storing"
+        f"{1e6 * seconds / points:.0f} us per design for hashing, ordering and storing"
     )
-    return rest[-1] - rest[0], spent / points
+    return rest[-1] - rest[0], seconds / points
 
 
 def resident():
@@ -167,23 +167,23 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true", help="a tenth of the designs")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
-    given = parser.parse_args()
-    part = 10 if given.quick else 1
+    options = parser.parse_args()
+    part = 10 if options.quick else 1
     costs = {}
-    for workers in given.workers:
+    for workers in options.workers:
         side = int((10000 // part) ** 0.5)
         costs[workers] = [
             run("roughness and pressure, grid", workers, 15 / part, **grid(side)),
             run("geometries", workers, None, **geometries(200 // part)),
         ]
-    one, *_, most = given.workers
-    for name, few, many in zip(("one geometry", "geometries"), costs[one], costs[most], strict=True):
+    least, *_, top = options.workers
+    for name, few, many in zip(("one geometry", "geometries"), costs[least], costs[top], strict=True):
         wall, processor = few.wall / many.wall, few.processor / many.processor
         print(
-            f"scaling from {one} to {most} workers, {name}: {wall:.2f} by wall time, {processor:.2f} by processor time"
+            f"scaling from {least} to {top} workers, {name}: {wall:.2f} by wall time, {processor:.2f} by processor time"
         )
-    run("roughness and pressure, latin hypercube", most, 15 / part, **latin(10000 // part))
-    run("geometries", most, 90 / part, **geometries(1000 // part))
+    run("roughness and pressure, latin hypercube", top, 15 / part, **latin(10000 // part))
+    run("geometries", top, 90 / part, **geometries(1000 // part))
     memory(100_000)
 
 

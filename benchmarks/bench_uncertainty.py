@@ -127,7 +127,7 @@ SAMPLES, ASKED = (int(os.environ.get(name, number)) for name, number in (("SAMPL
 CORES = 2
 GOAL = 0.05
 of_every_cell = pytest.mark.parametrize(
-    ("fluid", "kind", "form"), CELLS, ids=[", ".join(filter(None, one)) for one in CELLS]
+    ("fluid", "kind", "form"), CELLS, ids=[", ".join(filter(None, word)) for word in CELLS]
 )
 
 
@@ -149,11 +149,11 @@ def solved(spectra):
             **({"form": FORMS[form]} if form else {}),
         )
         names = (*FOUR[1:], *BESIDE.get(kind, ()), *(["form"] if form else []))
-        between = {"spectrum": Scans(distribution="scans")} if kind.startswith("scans") else {}
-        settings = Uncertainty(samples=ASKED, **{name: Spread(relative=0.1) for name in names}, **between)
+        scatter = {"spectrum": Scans(distribution="scans")} if kind.startswith("scans") else {}
+        settings = Uncertainty(samples=ASKED, **{name: Spread(relative=0.1) for name in names}, **scatter)
         with pytest.MonkeyPatch.context() as patch:
             # a finish has an interval without being asked; here it is asked for
-            patch.setattr(chain, "ANSWERS", [one for one in chain.ANSWERS if one.name != "uncertainty"])
+            patch.setattr(chain, "ANSWERS", [each for each in chain.ANSWERS if each.name != "uncertainty"])
             result = fem_seal.run(case)
         # the case has its own leak rates, and the tables for them, before the first sample
         assert Samples.of(result, settings).of_case.shape[1] == len(pressures)
@@ -166,7 +166,7 @@ def solved(spectra):
 def test_uncertainty_per_sample(benchmark, solved, monkeypatch, fluid, kind, form):
     """Processor time of a sample in one process, with what all share beyond the case's own tables."""
     samples, start = Samples.of(*solved(fluid, kind, form)), process_time()
-    monkeypatch.setattr(processes, "_MOST", 1)
+    monkeypatch.setattr(processes, "_MOST_TASKS", 1)
     rates = benchmark.pedantic(lambda: samples.leak_rates(range(SAMPLES)), rounds=1)
     benchmark.extra_info.update(
         goal_s=GOAL, figure_s=(process_time() - start) / SAMPLES, note=f"{SAMPLES} samples, all calculated"
@@ -177,7 +177,7 @@ def test_uncertainty_per_sample(benchmark, solved, monkeypatch, fluid, kind, for
 @of_every_cell
 def test_uncertainty_wall_time_per_sample(benchmark, solved, monkeypatch, fluid, kind, form):
     """What a user waits for an interval, over the number of samples, with those that check the polynomial."""
-    monkeypatch.setattr(processes, "_MOST", CORES)
+    monkeypatch.setattr(processes, "_MOST_TASKS", CORES)
     result, settings = solved(fluid, kind, form)
     interval = benchmark.pedantic(lambda: leak_interval(result, settings), rounds=1)
     cores = min(processes.usable_cores(), CORES) if processes.can_copy() else 1

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from calculix_deck import FloatArray
-from measured_process import Cost, measured
+from measured_process import Cost, measure_process
 
 from fem_seal.profile import PressureProfile
 from meshes import SealMesh
@@ -20,7 +20,7 @@ SECTOR = 2 / 360
 HOW_TO_INSTALL = "CalculiX (ccx) is not installed; on Debian or Ubuntu: apt-get install calculix-ccx"
 
 
-class Diverged(RuntimeError):
+class DivergenceError(RuntimeError):
     """CalculiX ended before the last step."""
 
 
@@ -43,15 +43,17 @@ def run(deck: str, steps: int, folder: Path, threads: int = 1) -> Cost:
 
     Raises
     ------
-    Diverged
+    DivergenceError
         If it does not reach the last step.
     """
     (folder / "seal.inp").write_text(deck)
-    cost = measured(["ccx", "-i", "seal"], folder, {"OMP_NUM_THREADS": str(threads)})
-    printed = (folder / "printed.log").read_text(errors="replace")
-    done = [int(line.split()[0]) for line in (folder / "seal.sta").read_text().splitlines()[2:]]
-    if "Job finished" not in printed or not done or done[-1] != steps:
-        raise Diverged(f"CalculiX stopped in step {done[-1] if done else 1} of {steps}: {printed[-500:]}")
+    cost = measure_process(["ccx", "-i", "seal"], folder, {"OMP_NUM_THREADS": str(threads)})
+    log = (folder / "printed.log").read_text(errors="replace")
+    increments = [int(line.split()[0]) for line in (folder / "seal.sta").read_text().splitlines()[2:]]
+    if "Job finished" not in log or not increments or increments[-1] != steps:
+        raise DivergenceError(
+            f"CalculiX stopped in step {increments[-1] if increments else 1} of {steps}: {log[-500:]}"
+        )
     return cost
 
 

@@ -175,28 +175,28 @@ def _steps(
 
 def sides_on(mesh: MeshTri, cells: Sequence[Cells], boundary: str) -> list[tuple[int, int]]:
     """Element number and side, both from 1, of each facet of a boundary."""
-    wanted = mesh.nvertices + mesh.boundaries[boundary]
-    found, first = [], 1
+    facets = mesh.nvertices + mesh.boundaries[boundary]
+    faces, first = [], 1
     for part in cells:
         middles = part.nodes[:, part.nodes.shape[1] // 2 :]
-        rows, columns = np.nonzero(np.isin(middles, wanted))
-        found += list(zip((first + rows).tolist(), (1 + columns).tolist(), strict=True))
+        rows, columns = np.nonzero(np.isin(middles, facets))
+        faces += list(zip((first + rows).tolist(), (1 + columns).tolist(), strict=True))
         first += len(part.nodes)
-    return found
+    return faces
 
 
 def cells_of(mesh: MeshTri, elements: Elements) -> Iterator[Cells]:
     e, f = mesh.p[:, mesh.t[1]] - mesh.p[:, mesh.t[0]], mesh.p[:, mesh.t[2]] - mesh.p[:, mesh.t[0]]
     triangles = np.where(e[0] * f[1] > e[1] * f[0], mesh.t, mesh.t[[0, 2, 1]]).T
     quadrilaterals, owner = np.empty((0, 4), dtype=np.int64), np.empty(0, dtype=np.int64)
-    left = np.ones(mesh.nelements, dtype=bool)
+    is_triangle = np.ones(mesh.nelements, dtype=bool)
     if elements != "CAX6":
-        quadrilaterals, owner, left = _paired(mesh)
+        quadrilaterals, owner, is_triangle = _paired(mesh)
     for body, members in mesh.subdomains.items():
-        inside = np.isin(np.arange(mesh.nelements), members)
-        yield Cells(body, "CAX6", _with_middles(mesh, triangles[inside & left]))
+        is_member = np.isin(np.arange(mesh.nelements), members)
+        yield Cells(body, "CAX6", _with_middles(mesh, triangles[is_member & is_triangle]))
         if len(owner):
-            yield Cells(body, elements, _with_middles(mesh, quadrilaterals[inside[owner]]))
+            yield Cells(body, elements, _with_middles(mesh, quadrilaterals[is_member[owner]]))
 
 
 def _paired(mesh: MeshTri) -> tuple[IntArray, IntArray, NDArray[np.bool_]]:
@@ -211,30 +211,30 @@ def _paired(mesh: MeshTri) -> tuple[IntArray, IntArray, NDArray[np.bool_]]:
         Triangles that found no partner.
     """
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    one, other = mesh.f2t[:, inner]
+    first_side, second_side = mesh.f2t[:, inner]
     start, end = mesh.facets[:, inner]
-    opposite = [mesh.t[:, cell].sum(axis=0) - start - end for cell in (one, other)]
+    opposite = [mesh.t[:, cell].sum(axis=0) - start - end for cell in (first_side, second_side)]
     corners = np.stack([start, opposite[0], end, opposite[1]])
     side = np.roll(mesh.p[:, corners], -1, axis=1) - mesh.p[:, corners]
     side /= np.linalg.norm(side, axis=0)
-    before = -np.roll(side, 1, axis=1)
-    sine = side[0] * before[1] - side[1] * before[0]
+    previous = -np.roll(side, 1, axis=1)
+    sine = side[0] * previous[1] - side[1] * previous[0]
     clockwise = sine.sum(axis=0) < 0
     corners[:, clockwise] = corners[::-1, clockwise]
     shape = np.where(clockwise, -sine, sine).min(axis=0)
-    left = np.ones(mesh.nelements, dtype=bool)
-    chosen = []
+    is_free = np.ones(mesh.nelements, dtype=bool)
+    pairs = []
     for k in np.argsort(-shape, kind="stable")[: int((shape > _SHARPEST).sum())]:
-        if left[one[k]] and left[other[k]]:
-            left[[one[k], other[k]]] = False
-            chosen.append(k)
-    return corners[:, chosen].T, one[chosen], left
+        if is_free[first_side[k]] and is_free[second_side[k]]:
+            is_free[[first_side[k], second_side[k]]] = False
+            pairs.append(k)
+    return corners[:, pairs].T, first_side[pairs], is_free
 
 
 def _with_middles(mesh: MeshTri, corners: IntArray) -> IntArray:
     """Corners and the nodes in the middle of the sides that follow them."""
     keys = mesh.facets.min(axis=0) * mesh.nvertices + mesh.facets.max(axis=0)
     order = np.argsort(keys)
-    following = np.roll(corners, -1, axis=1)
-    sides = np.minimum(corners, following) * mesh.nvertices + np.maximum(corners, following)
+    next_corners = np.roll(corners, -1, axis=1)
+    sides = np.minimum(corners, next_corners) * mesh.nvertices + np.maximum(corners, next_corners)
     return np.hstack([corners, mesh.nvertices + order[np.searchsorted(keys[order], sides)]])

@@ -43,7 +43,7 @@ class Accuracy:
 class Side:
     """What one program did at one element size."""
 
-    one: Cost
+    single: Cost
     sweep: Cost
     accuracy: Accuracy
     profiles: Sequence[PressureProfile]
@@ -72,16 +72,21 @@ class Row:
     @property
     def ccx_load(self) -> float:
         """Processor time that CalculiX takes for one more load [s]."""
-        return (self.ccx.sweep.processor - self.ccx.one.processor) / (len(self.ccx.profiles) - 1)
+        return (self.ccx.sweep.processor - self.ccx.single.processor) / (len(self.ccx.profiles) - 1)
 
     @property
     def peak_difference(self) -> float:
         """Peak pressure of CalculiX, by its load, over that of fem-seal at the highest load, minus one."""
         ours, theirs = (side.profiles[-1] for side in (self.seal, self.ccx))
-        return theirs.peak_pressure / carried(theirs) / (ours.peak_pressure / carried(ours)) - 1
+        return (
+            theirs.peak_pressure
+            / integrate_pressure(theirs)
+            / (ours.peak_pressure / integrate_pressure(ours))
+            - 1
+        )
 
 
-def carried(profile: PressureProfile) -> float:
+def integrate_pressure(profile: PressureProfile) -> float:
     """int 2 pi r p dx [N], the normal force of a profile."""
     return 2 * np.pi * float(profile.arc_weight @ (profile.radius * profile.pressure))
 
@@ -137,7 +142,7 @@ def write_page(
                     *(
                         text
                         for side in (row.seal, row.ccx)
-                        for text in (_time(side.one), _time(side.sweep), f"{side.sweep.memory:.0f}")
+                        for text in (_time(side.single), _time(side.sweep), f"{side.sweep.memory:.0f}")
                     ),
                     f"{row.ccx.sweep.wall / row.seal.sweep.wall:.1f} "
                     f"({row.ccx.sweep.processor / row.seal.sweep.processor:.1f})",
@@ -158,8 +163,8 @@ def write_page(
                         f"{1e3 * t:.3g}"
                         for t in (row.warm.mesh, row.warm.condense + row.warm.load, row.warm.load)
                     ),
-                    *(f"{1e3 * t:.3g}" for t in (row.ccx.one.processor, row.ccx_load)),
-                    f"{row.ccx.one.processor / (row.warm.condense + row.warm.load):.0f}",
+                    *(f"{1e3 * t:.3g}" for t in (row.ccx.single.processor, row.ccx_load)),
+                    f"{row.ccx.single.processor / (row.warm.condense + row.warm.load):.0f}",
                     f"{row.ccx_load / row.warm.load:.0f}",
                 )
                 for row in rows
@@ -186,15 +191,15 @@ def write_page(
 
 def goals(rows: Sequence[Row]) -> str:
     """Goals and what was reached, each code on its coarsest mesh that is accurate enough."""
-    own = rows[0]
+    ours = rows[0]
     times = (
-        ("new geometry to profile, warm", own.warm.mesh + own.warm.condense + own.warm.load, 0.5),
-        ("each further load", own.warm.load, 5e-3),
+        ("new geometry to profile, warm", ours.warm.mesh + ours.warm.condense + ours.warm.load, 0.5),
+        ("each further load", ours.warm.load, 5e-3),
     )
     lines = [
         *_goals_at(rows, 5e-4, "0.05 %"),
-        *_goals_at(rows, own.seal.accuracy.typical, "what fem-seal reaches on the mesh that it chooses"),
-        f"fem-seal alone, on the mesh that it chooses ({_size(own)}, error {own.seal.accuracy.typical:.0e}):",
+        *_goals_at(rows, ours.seal.accuracy.typical, "what fem-seal reaches on the mesh that it chooses"),
+        f"fem-seal alone, on the mesh that it chooses ({_size(ours)}, error {ours.seal.accuracy.typical:.0e}):",
         "",
         *(
             f"- {name}: {1e3 * t:.3g} ms (goal {1e3 * goal:g} ms){_verdict(t <= goal)}"
@@ -217,7 +222,7 @@ def _goals_at(rows: Sequence[Row], error: float, name: str) -> list[str]:
     )
     figures = (
         ("whole process, ten loads", ccx.ccx.sweep.processor / seal.seal.sweep.processor, 5),
-        ("mesh to profile, warm", ccx.ccx.one.processor / (seal.warm.condense + seal.warm.load), 20),
+        ("mesh to profile, warm", ccx.ccx.single.processor / (seal.warm.condense + seal.warm.load), 20),
         ("each further load", ccx.ccx_load / seal.warm.load, 500),
     )
     return [
@@ -300,5 +305,5 @@ def _size(row: Row) -> str:
     return f"{row.size * 1e6:.3g} um"
 
 
-def _verdict(met: bool) -> str:
-    return "" if met else " **missed**"
+def _verdict(is_met: bool) -> str:
+    return "" if is_met else " **missed**"

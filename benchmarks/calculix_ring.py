@@ -71,7 +71,7 @@ def ring() -> meshes.Profile:
 def mesh(name: str) -> SealMesh:
     """Coarse enough for CalculiX to take a minute or two."""
     contact = meshes.ContactGeometry.of(meshes.Disc.of(0.03).outline, ring().outline)
-    loads = [line_load(one, contact.initial_contact_radius, contact.angle) for one in FORCES]
+    loads = [line_load(force, contact.initial_contact_radius, contact.angle) for force in FORCES]
     sizing = element_sizes(LAW, loads, contact, effective_modulus(STEEL, COPPER))
     if name == "plastic":
         sizing = for_yielding(sizing, contact, CURVE.yield_stress, max(loads))
@@ -82,32 +82,32 @@ def ours(name: str, seal_mesh: SealMesh) -> Sequence[ContactSolution]:
     """The contact under each load."""
     model = condense(seal_mesh, MATERIALS[name])
     if name == "elastic":
-        return [solve(model, LAW, contact_force=one) for one in FORCES]
+        return [solve(model, LAW, contact_force=force) for force in FORCES]
     settings = PlasticSettings(steps=STEPS)
-    return load_path(model, LAW, [PathLoad(one) for one in FORCES], settings=settings, unload=False).contacts
+    return load_path(model, LAW, [PathLoad(f) for f in FORCES], settings=settings, unload=False).contacts
 
 
-def measures(profile: PressureProfile, moved: float) -> tuple[float, float, float, float]:
+def measures(profile: PressureProfile, approach: float) -> tuple[float, float, float, float]:
     """Peak pressure over line load [1/m], width at half of the peak, standard deviation, and way of the plate [m]."""
-    return profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std, moved
+    return profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std, approach
 
 
 def own_measures(name: str, seal_mesh: SealMesh) -> FloatArray:
     """`measures` of all loads, shape (loads, 4)."""
-    return np.array([measures(one.profile, one.approach) for one in ours(name, seal_mesh)])
+    return np.array([measures(contact.profile, contact.approach) for contact in ours(name, seal_mesh)])
 
 
 def way() -> list[float]:
     """All forces on the way, from the smallest step on [N]."""
-    step, at, found = max(FORCES) / STEPS, 0.0, list[float]()
+    step, at, increments = max(FORCES) / STEPS, 0.0, list[float]()
     for force in FORCES:
         count = math.ceil(abs(force - at) / step - 1e-9)
-        found += [at + (force - at) * n / count for n in range(1, count + 1)]
+        increments += [at + (force - at) * n / count for n in range(1, count + 1)]
         at = force
-    return found
+    return increments
 
 
-def written(name: str, seal_mesh: SealMesh) -> str:
+def write_deck(name: str, seal_mesh: SealMesh) -> str:
     """Deck: the closure's top goes down and up under an even pressure."""
     section = seal_mesh.mesh
     cells = list(deck.cells_of(section, "CAX6"))
@@ -139,7 +139,7 @@ def _step(section: MeshTri, cells: Sequence[Cells], force: float, first: bool) -
     yield from ("*CONTACT FILE", "CDIS,CSTR", "*NODE PRINT, NSET=Ntop", "U", "*END STEP")
 
 
-def sunk(folder: Path, seal_mesh: SealMesh) -> list[float]:
+def read_approaches(folder: Path, seal_mesh: SealMesh) -> list[float]:
     """By how much the closure's top has gone down after every step, in the mean over its area [m]."""
     section = seal_mesh.mesh
     points, facets = deck.node_points(seal_mesh, True), section.boundaries["closure_top"]
@@ -149,13 +149,13 @@ def sunk(folder: Path, seal_mesh: SealMesh) -> list[float]:
         length = abs(points[0, b] - points[0, a])
         for node, share in ((a, 1.0), (m, 4.0), (b, 1.0)):
             weight[node] += share * length * points[0, node]
-    found = []
+    ways_down = []
     for block in re.split(r"displacements \(vx,vy,vz\).*\n", (folder / "seal.dat").read_text())[1:]:
         rows = [line.split() for line in block.splitlines() if len(line.split()) == 4]
         nodes = np.array([int(row[0]) - 1 for row in rows])
-        moved = np.array([float(row[2]) for row in rows])
-        found.append(-1e-3 * float(weight[nodes] @ moved / weight[nodes].sum()))
-    return found
+        displacements = np.array([float(row[2]) for row in rows])
+        ways_down.append(-1e-3 * float(weight[nodes] @ displacements / weight[nodes].sum()))
+    return ways_down
 
 
 def theirs(name: str, seal_mesh: SealMesh) -> FloatArray:
@@ -163,26 +163,26 @@ def theirs(name: str, seal_mesh: SealMesh) -> FloatArray:
     forces = way()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        calculix.run(written(name, seal_mesh), len(forces), folder)
-        profiles, moved = calculix.profiles(folder, seal_mesh), sunk(folder, seal_mesh)
+        calculix.run(write_deck(name, seal_mesh), len(forces), folder)
+        profiles, ways_of_steps = calculix.profiles(folder, seal_mesh), read_approaches(folder, seal_mesh)
     ends, at = [], 0
     for force in FORCES:
         at = next(n for n in range(at, len(forces)) if math.isclose(forces[n], force))
         ends.append(at)
         at += 1
-    return np.array([measures(profiles[n], moved[n]) for n in ends])
+    return np.array([measures(profiles[n], ways_of_steps[n]) for n in ends])
 
 
 COLUMNS = ("bodies", "applied_force_N", "peak_over_line_load_per_m", "fwhm_m", "std_m", "way_m")
 
 
-def compared(own: FloatArray, other: FloatArray) -> Iterator[str]:
+def compare_lines(first: FloatArray, second: FloatArray) -> Iterator[str]:
     """Both programs, with the ways from load to load."""
-    ways = np.diff(own[:, 3]) / np.diff(other[:, 3]) - 1
+    ways = np.diff(first[:, 3]) / np.diff(second[:, 3]) - 1
     for n, force in enumerate(FORCES):
-        peak, width, std = own[n, :3] / other[n, :3] - 1
-        moved = f", way {ways[n - 1]:+.2%}" if n else ""
-        yield f"{force:6.0f} N: peak {peak:+.2%}, width {width:+.2%}, std {std:+.2%}{moved}"
+        peak, width, std = first[n, :3] / second[n, :3] - 1
+        way_text = f", way {ways[n - 1]:+.2%}" if n else ""
+        yield f"{force:6.0f} N: peak {peak:+.2%}, width {width:+.2%}, std {std:+.2%}{way_text}"
 
 
 def main() -> None:
@@ -191,11 +191,11 @@ def main() -> None:
     for name in MATERIALS:
         seal_mesh = mesh(name)
         print(name, seal_mesh.mesh.nelements, "triangles", flush=True)
-        other = theirs(name, seal_mesh)
-        print(*compared(own_measures(name, seal_mesh), other), sep="\n", flush=True)
+        calculix_line = theirs(name, seal_mesh)
+        print(*compare_lines(own_measures(name, seal_mesh), calculix_line), sep="\n", flush=True)
         rows += [
-            (name, force, *(f"{one:.7g}" for one in line))
-            for force, line in zip(FORCES, other.tolist(), strict=True)
+            (name, force, *(f"{number:.7g}" for number in line))
+            for force, line in zip(FORCES, calculix_line.tolist(), strict=True)
         ]
     if "--write" in sys.argv:
         with TABLE.open("w", newline="") as file:

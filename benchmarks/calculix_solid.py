@@ -101,13 +101,13 @@ class SolidBody:
             z += 1e3 * self.higher
             # On the chord: CalculiX cuts the faces of both bodies against each other as if their outlines were convex.
             r[face] *= math.cos(self.angle[1]) if plane % 2 else 1.0
-            along = 1e3 * self.deviation * math.cos(2 * angle)
-            r[face] -= along * math.sin(theta)
-            z[face] += along * math.cos(theta)
-            there = number > 0
-            places[number[there] - self.first_node] = np.column_stack(
+            shift = 1e3 * self.deviation * math.cos(2 * angle)
+            r[face] -= shift * math.sin(theta)
+            z[face] += shift * math.cos(theta)
+            has_node = number > 0
+            places[number[has_node] - self.first_node] = np.column_stack(
                 [r * math.cos(angle), r * math.sin(angle), z]
-            )[there]
+            )[has_node]
         return places
 
     def elements(self) -> Iterator[tuple[str, IntArray]]:
@@ -118,8 +118,8 @@ class SolidBody:
         for part in self.cells:
             corners, middles = np.hsplit(part.nodes, 2)
             nodes = [
-                np.hstack([far[corners], near[corners], far[middles], near[middles], between[corners]])
-                for near, between, far in zip(
+                np.hstack([far[corners], inner[corners], far[middles], inner[middles], middle[corners]])
+                for inner, middle, far in zip(
                     self.number[:-2:2], self.number[1::2], self.number[2::2], strict=True
                 )
             ]
@@ -133,13 +133,13 @@ class SolidBody:
     def faces(self, boundary: str) -> list[tuple[int, int]]:
         """Number and face of each element at a boundary of the section."""
         counts = [len(part.nodes) for part in self.cells]
-        before = np.cumsum([0, *counts])
-        found = []
+        offsets = np.cumsum([0, *counts])
+        facets = []
         for cell, side in sides_on(self.section.mesh, self.cells, f"{self.name}_{boundary}"):
-            part = int(np.searchsorted(before, cell, side="left")) - 1
-            first = self.first_element + (self.layers - 1) * int(before[part]) + cell - 1
-            found += [(first + k * counts[part], side + 2) for k in range(self.layers)]
-        return found
+            part = int(np.searchsorted(offsets, cell, side="left")) - 1
+            first = self.first_element + (self.layers - 1) * int(offsets[part]) + cell - 1
+            facets += [(first + k * counts[part], side + 2) for k in range(self.layers)]
+        return facets
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class SolidSeal:
     seat: SolidBody
 
     @classmethod
-    def of(cls, section: SealMesh, layers: int, deviation: float, lowered: float) -> SolidSeal:
+    def of(cls, section: SealMesh, layers: int, deviation: float, way_down: float) -> SolidSeal:
         """Turn a section about the axis.
 
         Parameters
@@ -160,11 +160,11 @@ class SolidSeal:
             Quadratic elements over the 90 degrees.
         deviation : float
             A [m] of the seat's face, which lies higher along its normal by A cos(2 phi).
-        lowered : float
+        way_down : float
             By how much the closure starts below first touch along the normal [m].
         """
-        down = -lowered / math.cos(section.contact.angle)
-        closure = SolidBody("closure", section, layers, 0.0, down, 1, 1)
+        motion = -way_down / math.cos(section.contact.angle)
+        closure = SolidBody("closure", section, layers, 0.0, motion, 1, 1)
         seat = SolidBody(
             "seat", section, layers, deviation, 0.0, int(closure.number.max()) + 1, closure.end_element
         )

@@ -81,7 +81,7 @@ class Valve:
         load = line_load(self.spring, contact.initial_contact_radius, contact.angle)
         modulus = effective_modulus(self.materials["closure"], self.materials["seat"])
         sizing = element_sizes(self.law, [load], contact, modulus)
-        softest = min(one.yield_stress for one in self.materials.values() if one.yield_stress)
+        softest = min(material.yield_stress for material in self.materials.values() if material.yield_stress)
         return meshes.build_contact(contact, for_yielding(sizing, contact, softest, load).refined(0.5))
 
 
@@ -109,10 +109,10 @@ def valves() -> Iterator[Valve]:
     )
 
 
-def flowing() -> PenetratingFluid:
+def penetrating_fluid() -> PenetratingFluid:
     """A liquid in the bore, through sigma ~ 1/p."""
 
-    def along(profile, fluid_pressure):  # type: ignore[no-untyped-def]
+    def pressure_along(profile, fluid_pressure):  # type: ignore[no-untyped-def]
         return leak.leak_flow(
             profile.x,
             profile.pressure,
@@ -122,13 +122,13 @@ def flowing() -> PenetratingFluid:
             pressure_side="inner",
         ).fluid_pressure
 
-    return PenetratingFluid(along, math.inf, "inner")
+    return PenetratingFluid(pressure_along, math.inf, "inner")
 
 
 def ours(valve: Valve, mesh: SealMesh) -> tuple[ElastoplasticContact, ...]:
     """Contacts under the spring alone, and with the fluid."""
     model = condense(mesh, valve.materials)
-    fluid = flowing()
+    fluid = penetrating_fluid()
     loads = [
         PathLoad(valve.spring, path=fluid, fluid_pressure=pressure)
         for pressure in (0.0, valve.fluid_pressure)
@@ -136,7 +136,7 @@ def ours(valve: Valve, mesh: SealMesh) -> tuple[ElastoplasticContact, ...]:
     return load_path(model, valve.law, loads, settings=PlasticSettings(steps=STEPS), unload=False).contacts
 
 
-def written(valve: Valve, mesh: SealMesh, contacts: Sequence[ElastoplasticContact]) -> str:
+def write_deck(valve: Valve, mesh: SealMesh, contacts: Sequence[ElastoplasticContact]) -> str:
     """Deck with as many steps for CalculiX: the spring rises, then the fluid."""
     cells = list(deck.cells_of(mesh.mesh, "CAX6"))
     first = contacts[0].profile.peak_pressure / STEPS
@@ -205,15 +205,15 @@ def _step(
 
 def _middles(mesh: SealMesh, cells: Sequence[Cells], boundary: str) -> list[float]:
     """Arc length of the middle of each facet, in the order of `calculix_deck.sides_on`."""
-    section, found = mesh.mesh, []
-    wanted = section.nvertices + section.boundaries[boundary]
+    section, coordinates = mesh.mesh, []
+    facets_of_side = section.nvertices + section.boundaries[boundary]
     middle = section.p[:, section.facets].mean(axis=1)
     for part in cells:
         nodes = part.nodes[:, part.nodes.shape[1] // 2 :]
-        rows, columns = np.nonzero(np.isin(nodes, wanted))
+        rows, columns = np.nonzero(np.isin(nodes, facets_of_side))
         facets = nodes[rows, columns] - section.nvertices
-        found += np.atleast_1d(mesh.contact.coordinate(*middle[:, facets])).tolist()
-    return found
+        coordinates += np.atleast_1d(mesh.contact.coordinate(*middle[:, facets])).tolist()
+    return coordinates
 
 
 COLUMNS = (
@@ -236,14 +236,14 @@ def main() -> None:
         contacts = ours(valve, mesh)
         print(valve.name, mesh.mesh.nelements, "triangles", flush=True)
         with tempfile.TemporaryDirectory() as folder:
-            calculix.run(written(valve, mesh, contacts), 2 * STEPS, Path(folder))
-            found = calculix.profiles(Path(folder), mesh)
+            calculix.run(write_deck(valve, mesh, contacts), 2 * STEPS, Path(folder))
+            profiles = calculix.profiles(Path(folder), mesh)
         for contact, theirs, pressure in zip(
-            contacts, (found[STEPS - 1], found[-1]), (0.0, valve.fluid_pressure), strict=True
+            contacts, (profiles[STEPS - 1], profiles[-1]), (0.0, valve.fluid_pressure), strict=True
         ):
             measures = []
             for profile in (theirs, contact.profile):
-                carried = (
+                is_loaded = (
                     2
                     * math.pi
                     * profile.moment(0)
@@ -251,12 +251,12 @@ def main() -> None:
                     * math.cos(mesh.contact.angle)
                 )
                 measures.append(
-                    (carried, profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std)
+                    (is_loaded, profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std)
                 )
             print(
                 pressure, *(f"{b:.6g} ({b / a - 1:+.2%})" for a, b in zip(*measures, strict=True)), flush=True
             )
-            rows.append((valve.name, pressure, *(f"{one:.7g}" for one in measures[0])))
+            rows.append((valve.name, pressure, *(f"{number:.7g}" for number in measures[0])))
     if "--write" in sys.argv:
         with TABLE.open("w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])

@@ -33,6 +33,6 @@ def line_load(problem: SealProblem) -> Circumference:
 
 if __name__ == "__main__":
     case_file, output = sys.argv[1:]
-    found = line_load(SealProblem.of(load_case(case_file)))
-    table = np.column_stack([found.angle, found.line_load, found.peak_pressure])
+    forces = line_load(SealProblem.of(load_case(case_file)))
+    table = np.column_stack([forces.angle, forces.line_load, forces.peak_pressure])
     np.savetxt(Path(output), table, delimiter=",", header="angle_rad, line_load_N_per_m, peak_pressure_Pa")

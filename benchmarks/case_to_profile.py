@@ -43,9 +43,9 @@ def solutions(case: Case, model: ContactModel) -> Sequence[ContactSolution]:
 
 def main(file: str, contact_size: str, output: str) -> None:
     case = load_case(file)
-    found = solutions(case, model_of(case, mesh_of(case, float(contact_size))))
-    x = found[0].profile.x
-    table = np.column_stack([x, *(solution.profile.pressure for solution in found)])
+    contacts = solutions(case, model_of(case, mesh_of(case, float(contact_size))))
+    x = contacts[0].profile.x
+    table = np.column_stack([x, *(solution.profile.pressure for solution in contacts)])
     np.savetxt(Path(output), table, delimiter=",", header="x_m, then contact_pressure_Pa of every load")
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from calculix_deck import Choices, deck
 from calculix_page import Accuracy, Row, Side, Warm, draw, write_page
 from case_to_profile import mesh_of, model_of, solutions
-from measured_process import Cost, measured
+from measured_process import Cost, measure_process
 
 import fem_seal
 import leak
@@ -56,24 +56,24 @@ fluid_pressure = [{loads}]
 """
 
 
-def accuracy(case: fem_seal.Case, found: Sequence[PressureProfile]) -> Accuracy:
+def accuracy(case: fem_seal.Case, profiles: Sequence[PressureProfile]) -> Accuracy:
     """Judge the profiles of all loads of a case."""
     normal_z = float(np.cos(case.contact.angle))
     errors = []
-    for force, profile in zip(expected_forces(SealProblem.of(case)), found, strict=True):
+    for force, profile in zip(expected_forces(SealProblem.of(case)), profiles, strict=True):
         line_load = force / (2 * np.pi * case.initial_contact_radius * normal_z)
         exact = leak.crossover_line(line_load, case.contact.relative_radius, case.effective_modulus, U0)
-        carried = (
+        is_loaded = (
             2 * np.pi * normal_z * float(profile.arc_weight @ (profile.radius * profile.pressure)) / force
         )
         peak = profile.peak_pressure / exact.peak_pressure
         errors.append(
             (
                 peak - 1,
-                peak / carried - 1,
+                peak / is_loaded - 1,
                 profile.fwhm / exact.fwhm - 1,
                 profile.std / exact.std - 1,
-                carried - 1,
+                is_loaded - 1,
             )
         )
     columns = np.array(errors).T
@@ -110,10 +110,10 @@ def run_seal(case: fem_seal.Case, size: float, repeat: int, folder: Path) -> tup
     for pressures in (SWEEP[-1:], SWEEP):
         file = case_of(pressures, folder)[1]
         command = [sys.executable, str(HERE / "case_to_profile.py"), str(file), repr(size), "profiles.csv"]
-        costs.append(best(repeat, partial(measured, command, folder)))
+        costs.append(best(repeat, partial(measure_process, command, folder)))
     seal_mesh = mesh_of(case, size)
     model = model_of(case, seal_mesh)
-    found = [solution.profile for solution in solutions(case, model)]
+    profiles = [solution.profile for solution in solutions(case, model)]
     problem = SealProblem.of(case)
     law, forces = problem.law, expected_forces(problem)
     warm = Warm(
@@ -121,7 +121,7 @@ def run_seal(case: fem_seal.Case, size: float, repeat: int, folder: Path) -> tup
         seconds(repeat + 1, lambda: model_of(case, seal_mesh)),
         seconds(3 * repeat, lambda: [solve(model, law, contact_force=f) for f in forces]) / len(forces),
     )
-    return Side(costs[0], costs[1], accuracy(case, found), found), warm, seal_mesh
+    return Side(costs[0], costs[1], accuracy(case, profiles), profiles), warm, seal_mesh
 
 
 def run_calculix(
@@ -131,27 +131,27 @@ def run_calculix(
     problem = SealProblem.of(case)
     law, forces = problem.law, expected_forces(problem)
     line_load = forces[0] / (2 * np.pi * case.initial_contact_radius * np.cos(case.contact.angle))
-    expected = leak.crossover_line(
+    line = leak.crossover_line(
         line_load, case.contact.relative_radius, case.effective_modulus, U0
     ).peak_pressure
     materials = {"closure": case.closure.material, "seat": case.seat.material}
-    text = deck(seal_mesh, materials, law, forces, expected, choices)
+    text = deck(seal_mesh, materials, law, forces, line, choices)
     every = 1 + choices.held_steps
     runs = iter(threads)
     cost = best(len(threads), lambda: calculix.run(text, every * len(forces), folder, next(runs)))
     reaction = calculix.reactions(folder)[every - 1 :: every] / forces - 1
-    found = calculix.profiles(folder, seal_mesh)[every - 1 :: every]
-    return cost, found, float(reaction[np.argmax(np.abs(reaction))])
+    profiles = calculix.profiles(folder, seal_mesh)[every - 1 :: every]
+    return cost, profiles, float(reaction[np.argmax(np.abs(reaction))])
 
 
 def compare(size: float, repeat: int, folder: Path, threads: Sequence[int]) -> Row:
     """Both programs at one element size."""
     case, _ = case_of(SWEEP, folder)
     seal, warm, seal_mesh = run_seal(case, size, repeat, folder)
-    one = run_calculix(case_of(SWEEP[-1:], folder)[0], seal_mesh, Choices(), folder, threads)[0]
-    sweep, found, reaction = run_calculix(case, seal_mesh, Choices(), folder, threads)
+    single_cost = run_calculix(case_of(SWEEP[-1:], folder)[0], seal_mesh, Choices(), folder, threads)[0]
+    sweep, profiles, reaction = run_calculix(case, seal_mesh, Choices(), folder, threads)
     elements = seal_mesh.mesh.nelements
-    ccx = Side(one, sweep, accuracy(case, found), found)
+    ccx = Side(single_cost, sweep, accuracy(case, profiles), profiles)
     return Row(seal_mesh.sizing.contact_size, elements, seal, warm, ccx, reaction)
 
 
@@ -159,7 +159,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two element sizes, every time taken once")
     parser.add_argument("--repeat", type=int, default=3, help="how often fem-seal is timed; the best counts")
-    given = parser.parse_args()
+    options = parser.parse_args()
     try:
         version = calculix.version()
     except FileNotFoundError as error:
@@ -167,9 +167,9 @@ def main() -> int:
         return 1
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        repeat, threads = (1, [1]) if given.quick else (given.repeat, [1, 2])
+        repeat, threads = (1, [1]) if options.quick else (options.repeat, [1, 2])
         rows = []
-        for size in [0.0, 80e-6] if given.quick else [0.0, *SIZES]:
+        for size in [0.0, 80e-6] if options.quick else [0.0, *SIZES]:
             rows.append(compare(size, repeat, folder, threads))
             print(
                 f"{1e6 * rows[-1].size:.3g} um: fem-seal {rows[-1].seal.sweep}, CalculiX {rows[-1].ccx.sweep}",
@@ -185,18 +185,18 @@ def choice_rows(folder: Path) -> list[tuple[str, Cost, Accuracy]]:
     """What CalculiX's other choices cost and bring, on the mesh that fem-seal chooses."""
     case, _ = case_of(SWEEP, folder)
     seal_mesh = mesh_of(case)
-    chosen = Choices()
+    settings = Choices()
     variants = {
-        "as in the table: CAX8R, curved contact line, load not held": chosen,
-        "CAX8": replace(chosen, elements="CAX8"),
-        "CAX6": replace(chosen, elements="CAX6"),
-        "straight contact line": replace(chosen, curved=False),
-        "every load held for one more step": replace(chosen, held_steps=1),
+        "as in the table: CAX8R, curved contact line, load not held": settings,
+        "CAX8": replace(settings, elements="CAX8"),
+        "CAX6": replace(settings, elements="CAX6"),
+        "straight contact line": replace(settings, curved=False),
+        "every load held for one more step": replace(settings, held_steps=1),
     }
     rows = []
     for name, choices in variants.items():
-        cost, found, _ = run_calculix(case, seal_mesh, choices, folder, [1])
-        rows.append((name, cost, accuracy(case, found)))
+        cost, profiles, _ = run_calculix(case, seal_mesh, choices, folder, [1])
+        rows.append((name, cost, accuracy(case, profiles)))
     return rows
 
 

@@ -38,7 +38,7 @@ def columns(branch: leak.direct.DirectBranch, h_rms: float) -> np.ndarray:
 
 def compare(load: list[Row], unload: list[Row], points: int, samples: int) -> None:
     H = float(load[0]["hardness_over_Eh"]) if load[0]["hardness_over_Eh"] else None
-    found = []
+    tables = []
     for seed in range(samples):
         h = surface(points, seed)
         result = leak.direct.simulate(
@@ -50,8 +50,8 @@ def compare(load: list[Row], unload: list[Row], points: int, samples: int) -> No
             unload=[float(row["p_over_Eh"]) for row in unload] or None,
         )
         branches = [result, *([result.unloaded] if result.unloaded is not None else [])]
-        found.append(np.concatenate([columns(one, h.std()) for one in branches], axis=1))
-    mean, scatter = np.mean(found, axis=0), np.std(found, axis=0, ddof=min(1, samples - 1))
+        tables.append(np.concatenate([columns(branch, h.std()) for branch in branches], axis=1))
+    mean, scatter = np.mean(tables, axis=0), np.std(tables, axis=0, ddof=min(1, samples - 1))
     for n, row in enumerate([*load, *unload]):
         area, gap, sigma = (float(row[key]) for key in ("contact_area", "mean_gap_over_hrms", "conductivity"))
         print(
@@ -71,13 +71,13 @@ def main(file: str, points: int = 512, samples: int = 3) -> None:
     for H in sorted({row["hardness_over_Eh"] for row in rows}):
         mine = [row for row in rows if row["hardness_over_Eh"] == H]
         load = [row for row in mine if row["branch"] == "load"]
-        after = {row["p_max_over_Eh"] for row in mine if row["branch"] == "unload"}
-        for most in sorted(after, key=float):
-            unload = [row for row in mine if row["branch"] == "unload" and row["p_max_over_Eh"] == most]
-            compare([row for row in load if row["p_over_Eh"] == most], unload, points, samples)
-        compare([row for row in load if row["p_over_Eh"] not in after], [], points, samples)
+        largest_pressures = {row["p_max_over_Eh"] for row in mine if row["branch"] == "unload"}
+        for largest in sorted(largest_pressures, key=float):
+            unload = [row for row in mine if row["branch"] == "unload" and row["p_max_over_Eh"] == largest]
+            compare([row for row in load if row["p_over_Eh"] == largest], unload, points, samples)
+        compare([row for row in load if row["p_over_Eh"] not in largest_pressures], [], points, samples)
     print(f"{time.process_time() - start:.0f} s of processor time")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], *(int(one) for one in sys.argv[2:]))
+    main(sys.argv[1], *(int(argument) for argument in sys.argv[2:]))

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from calculix_deck import FloatArray, node_points
-from finite_strain_solid import Profile, Solid, Unsettled
+from finite_strain_solid import Profile, Solid, UnsettledError
 from finite_strain_solid import solve as solve_finite
 from scipy.spatial import cKDTree
 
@@ -66,13 +66,13 @@ def case_of(name: str, half_width: float) -> tuple[Case, float]:
     R, E = first.contact.relative_radius, first.effective_modulus
     line_load = math.pi * E * half_width**2 * R / 4
     force = float(line_load * 2 * math.pi * first.initial_contact_radius * math.cos(first.contact.angle))
-    changed = {
+    changes = {
         "load.applied_force": force,
         "interface.u0": _LAYER * half_width**2 * R,
         "interface.p_c": 0.5 * E * half_width,
         "mesh.contact_size": 2 * R * half_width / _ELEMENTS,
     }
-    return first.replace(changed), force
+    return first.replace(changes), force
 
 
 def curved_points(seal_mesh: SealMesh) -> FloatArray:
@@ -94,10 +94,10 @@ def displacement(solid: Solid, straight: FloatArray, contact: ContactSolution) -
     for name, body in (("closure", model.closure), ("seat", model.seat)):
         dofs, places = node_dofs(body.held.mesh), body.held.nodes[0]
         nodes = np.unique(solid.cells[solid.members[name]])
-        own = nodes[cKDTree(straight[:, nodes].T).query(places)[1]]
-        moved = body.displacement(contact.point_forces)
-        u[2 * own] = moved[dofs[0]]
-        u[2 * own + 1] = moved[dofs[1]] - (contact.approach if name == "closure" else 0.0)
+        own_nodes = nodes[cKDTree(straight[:, nodes].T).query(places)[1]]
+        motion = body.displacement(contact.point_forces)
+        u[2 * own_nodes] = motion[dofs[0]]
+        u[2 * own_nodes + 1] = motion[dofs[1]] - (contact.approach if name == "closure" else 0.0)
     return u
 
 
@@ -111,22 +111,22 @@ def top(profile: PressureProfile) -> float:
 
 def leak_rate(profile: PressureProfile, reference: float, folds: float) -> float:
     """Flow through a conductivity exp(-folds p/reference), in units that cancel."""
-    loaded = profile.pressure > 1e-3 * profile.pressure.max()
-    resistance = np.exp(folds * profile.pressure[loaded] / reference) / profile.radius[loaded]
-    return float(1 / (profile.arc_weight[loaded] @ resistance))
+    is_loaded = profile.pressure > 1e-3 * profile.pressure.max()
+    resistance = np.exp(folds * profile.pressure[is_loaded] / reference) / profile.radius[is_loaded]
+    return float(1 / (profile.arc_weight[is_loaded] @ resistance))
 
 
 def finite(
     solid: Solid, straight: FloatArray, small: ContactSolution, law: ExponentialLaw, force: float, steps: int
 ) -> Profile:
     """The reference under the same force, in steps that begin with what small strains add."""
-    u, before = solid.at_rest, solid.at_rest
+    u, u_before = solid.at_rest, solid.at_rest
     profile = None
     for share in np.linspace(0.25 if steps > 4 else 1.0, 1.0, steps if steps > 4 else 1) ** 2:
         contact = solve(small.model, law, contact_force=float(force * share))
         linear = displacement(solid, straight, contact)
-        trial = u + linear - before
-        u, before = trial if solid.sound(trial) else u, linear
+        trial = u + linear - u_before
+        u, u_before = trial if solid.sound(trial) else u, linear
         peak = contact.profile.peak_pressure
         u, _, profile = solve_finite(
             solid, float(force * share), law.u0, law.p_c, u, solid.no_history(), peak
@@ -140,46 +140,46 @@ def compare(name: str, half_width: float, neo_hookean: bool = False) -> dict[str
 
     Raises
     ------
-    Unsettled
+    UnsettledError
         If the reference finds no balance.
     """
     case, force = case_of(name, half_width)
     problem = SealProblem.of(case)
     law = problem.law
     assert isinstance(law, ExponentialLaw)
-    evaluated = evaluate(problem)
-    seal_mesh, solved = evaluated.seal_mesh, evaluated.solved
-    small = solved.contacts[0]
+    evaluation = evaluate(problem)
+    seal_mesh, contacts = evaluation.seal_mesh, evaluation.solved
+    small = contacts.contacts[0]
     materials = {"closure": case.closure.material, "seat": case.seat.material}
     solid = Solid(seal_mesh, curved_points(seal_mesh), materials, neo_hookean)
     q = finite(solid, node_points(seal_mesh, False), small, law, force, math.ceil(half_width / _STEP))
     large = PressureProfile(q.x, q.radius, q.pressure, np.full_like(q.x, np.nan), q.weight)
-    own = small.profile
-    reference = top(own)
-    found = {
+    own_profile = small.profile
+    reference = top(own_profile)
+    ratios = {
         "peak": reference / top(large),
-        "FWHM": own.fwhm / large.fwhm,
-        "std": own.std / large.std,
+        "FWHM": own_profile.fwhm / large.fwhm,
+        "std": own_profile.std / large.std,
         **{
-            f"leak {folds}": leak_rate(own, reference, folds) / leak_rate(large, reference, folds)
+            f"leak {folds}": leak_rate(own_profile, reference, folds) / leak_rate(large, reference, folds)
             for folds in (3, 6)
         },
     }
-    return {"turned": small.turning, **{key: value - 1 for key, value in found.items()}}
+    return {"turned": small.turning, **{key: value - 1 for key, value in ratios.items()}}
 
 
-def main(*wanted: str) -> None:
-    names = wanted[:1] or tuple(BODIES)
+def main(*chosen_names: str) -> None:
+    names = chosen_names[:1] or tuple(BODIES)
     print("| bodies | a/R | turned | peak | FWHM | std | leak, 3 e-folds | leak, 6 e-folds |")
     for name in names:
-        for half_width in map(float, wanted[1:] or SERIES):
+        for half_width in map(float, chosen_names[1:] or SERIES):
             try:
-                turned, *errors = compare(name, half_width).values()
-            except Unsettled as error:
+                angle, *errors = compare(name, half_width).values()
+            except UnsettledError as error:
                 print(f"| {name} | {half_width} | {error} |", flush=True)
                 continue
-            shown = " | ".join(f"{100 * one:+.2g} %" for one in errors)
-            print(f"| {name} | {half_width} | {turned:.3f} | {shown} |", flush=True)
+            text = " | ".join(f"{100 * error:+.2g} %" for error in errors)
+            print(f"| {name} | {half_width} | {angle:.3f} | {text} |", flush=True)
 
 
 if __name__ == "__main__":

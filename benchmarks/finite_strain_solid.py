@@ -36,7 +36,7 @@ _CAP = 4.0
 _FARTHEST = 3.0
 
 
-class Unsettled(RuntimeError):
+class UnsettledError(RuntimeError):
     """Newton's method did not find a balance."""
 
 
@@ -85,20 +85,22 @@ class Solid:
         self.members = {name: mesh.subdomains[name] for name in materials}
         self.sides = {}
         for name in ("closure_contact", "seat_contact", "closure_top"):
-            chosen = mesh.boundaries[name]
-            ends = mesh.facets[:, chosen]
+            side_facets = mesh.boundaries[name]
+            ends = mesh.facets[:, side_facets]
             turn = points[0, ends[0]] > points[0, ends[1]]
             ends = np.where(turn, ends[::-1], ends)
             order = np.argsort(points[0, ends].sum(axis=0))
-            self.sides[name] = np.vstack([ends, chosen + mesh.nvertices])[:, order].T
-        held = []
+            self.sides[name] = np.vstack([ends, side_facets + mesh.nvertices])[:, order].T
+        fixed_dofs = []
         for name, component in (("closure_axis", 0), ("seat_bottom", 1)):
-            chosen = mesh.boundaries[name]
-            nodes = np.unique(np.concatenate([mesh.facets[:, chosen].ravel(), chosen + mesh.nvertices]))
-            held.append(2 * nodes + component)
+            side_facets = mesh.boundaries[name]
+            nodes = np.unique(
+                np.concatenate([mesh.facets[:, side_facets].ravel(), side_facets + mesh.nvertices])
+            )
+            fixed_dofs.append(2 * nodes + component)
         used = np.unique(self.cells)
         dofs = np.sort(np.concatenate([2 * used, 2 * used + 1]))
-        self.free = np.setdiff1d(dofs, np.concatenate(held))
+        self.free = np.setdiff1d(dofs, np.concatenate(fixed_dofs))
         self._prepare()
 
     def _prepare(self) -> None:
@@ -194,7 +196,7 @@ def _neo_hookean(F: FloatArray, mu: float, lam: float) -> FloatArray:
     """P = mu (F - F^-T) + lambda ln J F^-T."""
     inverse, J = _inverse_transposed(F)
     if not (J > 0).all():
-        raise Unsettled("a body is turned inside out")
+        raise UnsettledError("a body is turned inside out")
     return mu * (F - inverse) + lam * np.log(J)[..., None] * inverse
 
 
@@ -215,7 +217,7 @@ def _hencky(
     cos, sin = np.cos(angle), np.sin(angle)
     squares = np.stack([mean + radius, mean - radius, tt])
     if not (squares > 0).all():
-        raise Unsettled("a body is turned inside out")
+        raise UnsettledError("a body is turned inside out")
     e = 0.5 * np.log(squares)
     volume = e.sum(axis=0)
     dev = e - volume / 3
@@ -284,55 +286,58 @@ def _shape(xi: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def touch(solid: Solid, u: FloatArray, u0: float, p_c: float, cap: float) -> _Touch:
     """What the pressure between the deformed bodies does to them."""
-    now = solid.points + u.reshape(-1, 2).T
-    own, other = solid.sides["closure_contact"], solid.sides["seat_contact"]
+    points = solid.points + u.reshape(-1, 2).T
+    own_side, other_side = solid.sides["closure_contact"], solid.sides["seat_contact"]
     N, dN = _shape(_SIDE[0])
-    y = np.einsum("ien,qn->ieq", now[:, own], N).reshape(2, -1)
-    tangent = np.einsum("ien,qn->ieq", now[:, own], dN).reshape(2, -1)
+    y = np.einsum("ien,qn->ieq", points[:, own_side], N).reshape(2, -1)
+    tangent = np.einsum("ien,qn->ieq", points[:, own_side], dN).reshape(2, -1)
     # nearest point of the seat: the side whose ends enclose the foot, then Newton's method along it
-    ends = now[:, other]
+    ends = points[:, other_side]
     middle = ends[:, :, 2]
     side = np.argmin(((y[:, :, None] - middle[:, None, :]) ** 2).sum(axis=0), axis=1)
     xi = np.zeros(len(side))
     for _ in range(12):
         M, dM = _shape(xi)
-        foot, along = np.einsum("ikn,kn->ik", ends[:, side], M), np.einsum("ikn,kn->ik", ends[:, side], dM)
-        change = ((y - foot) * along).sum(axis=0) / (along**2).sum(axis=0)
+        foot, foot_slope = (
+            np.einsum("ikn,kn->ik", ends[:, side], M),
+            np.einsum("ikn,kn->ik", ends[:, side], dM),
+        )
+        change = ((y - foot) * foot_slope).sum(axis=0) / (foot_slope**2).sum(axis=0)
         xi = xi + np.clip(change, -1, 1)
-        ahead, back = (xi > 1) & (side < len(other) - 1), (xi < -1) & (side > 0)
-        side = side + ahead - back
-        xi = np.where(ahead, xi - 2, np.where(back, xi + 2, np.clip(xi, -1, 1)))
+        goes_on, back = (xi > 1) & (side < len(other_side) - 1), (xi < -1) & (side > 0)
+        side = side + goes_on - back
+        xi = np.where(goes_on, xi - 2, np.where(back, xi + 2, np.clip(xi, -1, 1)))
     M, dM = _shape(xi)
-    foot, along = np.einsum("ikn,kn->ik", ends[:, side], M), np.einsum("ikn,kn->ik", ends[:, side], dM)
-    normal = np.stack([-along[1], along[0]]) / np.hypot(*along)
+    foot, foot_slope = np.einsum("ikn,kn->ik", ends[:, side], M), np.einsum("ikn,kn->ik", ends[:, side], dM)
+    normal = np.stack([-foot_slope[1], foot_slope[0]]) / np.hypot(*foot_slope)
     gap = ((y - foot) * normal).sum(axis=0)
     lowest = -u0 * np.log(cap / p_c)
     p = p_c * np.exp(-np.maximum(gap, lowest) / u0)
     slope = -p / u0
     p = np.where(gap < lowest, p + slope * (gap - lowest), p)
     # area across the normal of the seat
-    length = np.abs(tangent[0] * normal[1] - tangent[1] * normal[0]) * np.tile(_SIDE[1], len(own))
+    length = np.abs(tangent[0] * normal[1] - tangent[1] * normal[0]) * np.tile(_SIDE[1], len(own_side))
     area = 2 * np.pi * y[0] * length
-    nodes = np.hstack([np.repeat(own, 3, axis=0), other[side]])  # (k, 6)
-    share = np.hstack([np.tile(N, (len(own), 1)), -M])
+    nodes = np.hstack([np.repeat(own_side, 3, axis=0), other_side[side]])  # (k, 6)
+    share = np.hstack([np.tile(N, (len(own_side), 1)), -M])
     along_n = (share[:, :, None] * normal.T[:, None, :]).reshape(len(p), 12)  # d gap / d u
     dofs = np.stack([2 * nodes, 2 * nodes + 1], axis=2).reshape(len(p), 12)
     forces = np.zeros(len(u))
     np.add.at(forces, dofs, along_n * (p * area)[:, None])
     K = np.einsum("kd,k,ke->kde", along_n, slope * area, along_n)
     # the normal turns with the seat, the foot slides: what a pressure on a curved face adds
-    bend = np.hypot(*along)
+    bend = np.hypot(*foot_slope)
     d2 = np.array([1.0, 1.0, -2.0])
     second = np.einsum("ikn,n->ik", ends[:, side], d2)
     curvature = (second * normal).sum(axis=0) / bend**2  # of the seat, along the normal
-    t = along / bend
+    t = foot_slope / bend
     slide = (share[:, :, None] * t.T[:, None, :]).reshape(len(p), 12)
     turn = np.zeros((len(p), 6))
     turn[:, 3:] = dM / bend[:, None]
-    turned = (turn[:, :, None] * normal.T[:, None, :]).reshape(len(p), 12)
+    rotation = (turn[:, :, None] * normal.T[:, None, :]).reshape(len(p), 12)
     # d2 gap = -(turned x slide + slide x turned) - gap ... ; leading terms, enough for Newton's method
-    K -= np.einsum("k,kd,ke->kde", p * area, turned, slide) + np.einsum(
-        "k,kd,ke->kde", p * area, slide, turned
+    K -= np.einsum("k,kd,ke->kde", p * area, rotation, slide) + np.einsum(
+        "k,kd,ke->kde", p * area, slide, rotation
     )
     K -= np.einsum("k,kd,ke->kde", p * area * curvature, slide, slide)
     size = len(u)
@@ -358,7 +363,7 @@ def solve(
 
     Raises
     ------
-    Unsettled
+    UnsettledError
     """
     top = solid.sides["closure_top"]
     N, dN = _shape(_SIDE[0])
@@ -383,31 +388,31 @@ def solve(
         step = np.zeros(len(u))
         step[free] = spsolve(matrix, residual)
 
-        def left(trial: FloatArray) -> float:
+        def residual(trial: FloatArray) -> float:
             try:
-                carried = solid.inner(trial, history, tangent=False)[0]
-            except Unsettled:
+                inner_forces = solid.inner(trial, history, tangent=False)[0]
+            except UnsettledError:
                 return np.inf
-            there = touch(solid, trial, u0, p_c, _CAP * peak).forces
-            return float(np.abs((outer + there - carried)[free]).sum() / force)
+            contact_forces = touch(solid, trial, u0, p_c, _CAP * peak).forces
+            return float(np.abs((outer + contact_forces - inner_forces)[free]).sum() / force)
 
-        tried = [_advanced(solid, u, step, u0, p_c, _CAP * peak)]
+        trials = [_advance(solid, u, step, u0, p_c, _CAP * peak)]
         for _ in range(6):
-            if left(tried[-1]) < worst:
+            if residual(trials[-1]) < worst:
                 break
-            tried.append(u + 0.4 * (tried[-1] - u))
-        u = min(tried, key=left)
-    raise Unsettled(f"residual {worst:.2g} of the force after {rounds} rounds")
+            trials.append(u + 0.4 * (trials[-1] - u))
+        u = min(trials, key=residual)
+    raise UnsettledError(f"residual {worst:.2g} of the force after {rounds} rounds")
 
 
-def _advanced(solid: Solid, u: FloatArray, step: FloatArray, u0: float, p_c: float, cap: float) -> FloatArray:
+def _advance(solid: Solid, u: FloatArray, step: FloatArray, u0: float, p_c: float, cap: float) -> FloatArray:
     """As much of a step as contact and elements can follow."""
-    before = touch(solid, u, u0, p_c, cap).profile.pressure
+    old = touch(solid, u, u0, p_c, cap).profile.pressure
     share = 1.0
     for _ in range(12):
-        after = touch(solid, u + share * step, u0, p_c, cap).profile.pressure
-        loaded = np.maximum(before, after) > 1e-2 * cap / _CAP
-        change = np.abs(np.log(np.maximum(after, 1e-9 * cap) / np.maximum(before, 1e-9 * cap)))[loaded]
+        new = touch(solid, u + share * step, u0, p_c, cap).profile.pressure
+        is_loaded = np.maximum(old, new) > 1e-2 * cap / _CAP
+        change = np.abs(np.log(np.maximum(new, 1e-9 * cap) / np.maximum(old, 1e-9 * cap)))[is_loaded]
         if change.max(initial=0.0) < _FARTHEST and solid.sound(u + share * step):
             break
         share /= 2

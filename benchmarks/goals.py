@@ -28,7 +28,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("PYTHONPYCACHEPREFIX", str(Path(sys.prefix) / "bytecode"))
 
 import history
-from measured_process import Cost, measured
+from measured_process import Cost, measure_process
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
@@ -75,8 +75,8 @@ def process(settings: Settings) -> Iterator[Figure]:
     """Commands as whole processes."""
     for command, of_imports, seconds in (("run", 5.5, 1.8), ("check", 1.5, 0.5)):
         with tempfile.TemporaryDirectory() as folder:
-            out = ["-o", str(Path(folder) / "out")] if command == "run" else []
-            cost = best_of(settings.rounds, ["-m", "fem_seal", command, str(CASE), *out])
+            output = ["-o", str(Path(folder) / "out")] if command == "run" else []
+            cost = best_of(settings.rounds, ["-m", "fem_seal", command, str(CASE), *output])
         yield Figure(f"{command}: processor time", cost.processor / settings.reference, "imports", of_imports)
         yield Figure(f"{command}: wall time", cost.wall, "s", seconds)
         yield Figure(f"{command}: memory", cost.memory, "MB", 200 if command == "run" else None)
@@ -85,11 +85,14 @@ def process(settings: Settings) -> Iterator[Figure]:
 def best_of(rounds: int, arguments: list[str]) -> Cost:
     """Least that a Python program takes, after a first time that fills the caches of the system."""
     with tempfile.TemporaryDirectory() as folder:
-        costs = [measured([sys.executable, *arguments], Path(folder), _here()) for _ in range(rounds + 1)][1:]
+        costs = [
+            measure_process([sys.executable, *arguments], Path(folder), _environment())
+            for _ in range(rounds + 1)
+        ][1:]
     return Cost(*(min(getattr(cost, name) for cost in costs) for name in ("wall", "processor", "memory")))
 
 
-def _here() -> dict[str, str]:
+def _environment() -> dict[str, str]:
     return {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep)}
 
 
@@ -114,9 +117,9 @@ def geometry(settings: Settings) -> Iterator[Figure]:
     cost(45.0)
     # three seats that hardly differ, of which the fastest counts
     each = [
-        [cost(47 + 0.7 * n + 0.01 * again) for again in range(3)] for n in range(3 if settings.quick else 9)
+        [cost(47 + 0.7 * n + 0.01 * repeat) for repeat in range(3)] for n in range(3 if settings.quick else 9)
     ]
-    whole, bare = ([min(one[part] for one in three) for three in each] for part in (0, 1))
+    whole, bare = ([min(run_cost[part] for run_cost in three) for three in each] for part in (0, 1))
     note = f"median of {len(each)}, each the fastest of three, 20 loads"
     yield Figure("new geometry in a warm process", statistics.median(whole), "s", 0.3, note)
     yield Figure(
@@ -147,25 +150,25 @@ def uncertainty(settings: Settings) -> Iterator[Figure]:
 def of_pytest(file: str, *options: str, **environment: str) -> Iterator[Figure]:
     """Benchmarks of a file that say their goal: `goal_s`, of `figure_s` or else of the fastest round."""
     with tempfile.TemporaryDirectory() as folder:
-        told = Path(folder) / "told.json"
-        asked = [str(HERE / file), f"--benchmark-json={told}", *options]
+        json_file = Path(folder) / "told.json"
+        arguments = [str(HERE / file), f"--benchmark-json={json_file}", *options]
         tests = subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *asked],
+            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments],
             cwd=ROOT,
-            env={**os.environ, **_here(), **environment},
+            env={**os.environ, **_environment(), **environment},
             capture_output=True,
             text=True,
         )
-        if not told.exists():
+        if not json_file.exists():
             raise RuntimeError(tests.stdout[-2000:] + tests.stderr[-2000:])
-        found = json.loads(told.read_text())["benchmarks"]
+        results = json.loads(json_file.read_text())["benchmarks"]
     if tests.returncode != 0:
         print(tests.stdout[-2000:], file=sys.stderr)
-    for one in found:
-        about = one["extra_info"]
+    for result in results:
+        about = result["extra_info"]
         if "goal_s" in about:
-            name = one["name"].removeprefix("test_").replace("[", ": ").rstrip("]").replace("_", " ")
-            seconds = about.get("figure_s", one["stats"]["min"])
+            name = result["name"].removeprefix("test_").replace("[", ": ").rstrip("]").replace("_", " ")
+            seconds = about.get("figure_s", result["stats"]["min"])
             yield Figure(name, seconds, "s", about["goal_s"], about.get("note", ""))
 
 
@@ -208,17 +211,17 @@ def cluster(settings: Settings) -> Iterator[Figure]:
 def tests(settings: Settings) -> Iterator[Figure]:
     """`make test` on two cores."""
     start = time.perf_counter()
-    done = subprocess.run(
+    process_result = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile", "-m", "not slow"],
         cwd=ROOT,
-        env={**os.environ, **_here()},
+        env={**os.environ, **_environment()},
     )
-    note = "" if done.returncode == 0 else "some tests failed"
+    note = "" if process_result.returncode == 0 else "some tests failed"
     yield Figure("test suite on two cores: wall time", time.perf_counter() - start, "s", 300, note)
 
 
 GROUPS: dict[str, Callable[[Settings], Iterator[Figure]]] = {
-    one.__name__: one for one in (process, geometry, uncertainty, studies, cluster, theory, tests)
+    group.__name__: group for group in (process, geometry, uncertainty, studies, cluster, theory, tests)
 }
 # Minutes, and nothing else may run meanwhile: only where it is asked for by name.
 _ONLY_BY_NAME = ("tests",)
@@ -244,7 +247,7 @@ def program() -> tuple[str, str]:
     )
 
 
-def printed(cells: tuple[str, ...]) -> None:
+def print_row(cells: tuple[str, ...]) -> None:
     """One line of the table."""
     name, *others = cells
     widths = (14, 9, 12, 7, 8)
@@ -265,37 +268,37 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="fewer repetitions, a tenth of the designs")
     parser.add_argument("--record", action="store_true", help="into benchmarks/history.csv")
     parser.add_argument("--designs", type=int, help="of the cluster; 2500, or 1000 with --quick")
-    given = parser.parse_args()
-    wrong = [name for name in given.groups if name not in GROUPS]
+    options = parser.parse_args()
+    wrong = [name for name in options.groups if name not in GROUPS]
     if wrong:
         parser.error(f"no group {', '.join(wrong)}; there are {', '.join(GROUPS)}")
-    designs = given.designs or (1000 if given.quick else 2500)
+    designs = options.designs or (1000 if options.quick else 2500)
     version, commit = program()
-    known, entries = history.read() if history.FILE.exists() else [], []
+    old_entries, entries = history.read() if history.FILE.exists() else [], []
     print(f"fem-seal {version} at {commit}, load {os.getloadavg()[0]:.1f}")
     print(f"scaled: a time on a machine whose imports take {history.GOAL_MACHINE} s, for which the goals are")
-    printed(history.HEAD)
-    for name in given.groups or [name for name in GROUPS if name not in _ONLY_BY_NAME]:
+    print_row(history.HEAD)
+    for name in options.groups or [name for name in GROUPS if name not in _ONLY_BY_NAME]:
         # before each group: a machine is not equally fast all the time
-        reference = imports(3 if given.quick else 5)
+        reference = imports(3 if options.quick else 5)
         new = []
         try:
-            for one in GROUPS[name](Settings(given.quick, designs, reference)):
+            for row in GROUPS[name](Settings(options.quick, designs, reference)):
                 new.append(
-                    history.Entry(version, date.today().isoformat(), commit, one.name, one.value, one.unit, one.goal,
-                                  reference, one.note)
+                    history.Entry(version, date.today().isoformat(), commit, row.name, row.value, row.unit, row.goal,
+                                  reference, row.note)
                 )  # fmt: skip
-                printed(history.row(new[-1], history.before(known, new[-1])))
+                print_row(history.row(new[-1], history.find_previous(old_entries, new[-1])))
         except Exception:
             traceback.print_exc()
             print(f"{name}: not measured", flush=True)
         entries += new
-        if given.record and new:
+        if options.record and new:
             history.write(history.with_new(history.read() if history.FILE.exists() else [], new))
-    missed = [entry.figure for entry in entries if entry.met is False]
-    judged = [entry for entry in entries if entry.met is not None]
-    print(f"{len(judged) - len(missed)} of {len(judged)} goals met" + (", missed:" if missed else ""))
-    for figure in missed:
+    misses = [entry.figure for entry in entries if entry.is_met is False]
+    with_goal = [entry for entry in entries if entry.is_met is not None]
+    print(f"{len(with_goal) - len(misses)} of {len(with_goal)} goals met" + (", missed:" if misses else ""))
+    for figure in misses:
         print(f"  {figure}")
 
 

@@ -50,14 +50,14 @@ class Entry:
         return self.version, self.commit
 
     @property
-    def scaled(self) -> float:
+    def machine_scaled(self) -> float:
         """The value on the machine of the goals."""
         return self.value * GOAL_MACHINE / self.reference_s if self.unit in _TIMES else self.value
 
     @property
-    def met(self) -> bool | None:
+    def is_met(self) -> bool | None:
         """Whether the goal is met; None without goal."""
-        return None if self.goal is None else self.scaled <= self.goal
+        return None if self.goal is None else self.machine_scaled <= self.goal
 
 
 def read(path: Path = FILE) -> list[Entry]:
@@ -78,41 +78,45 @@ def write(entries: Iterable[Entry], path: Path = FILE) -> None:
         rows = csv.DictWriter(file, [field.name for field in fields(Entry)], lineterminator="\n")
         rows.writeheader()
         rows.writerows(
-            {name: f"{one:.4g}" if isinstance(one, float) else one for name, one in asdict(entry).items()}
+            {name: f"{x:.4g}" if isinstance(x, float) else x for name, x in asdict(entry).items()}
             for entry in entries
         )
 
 
-def with_new(known: Sequence[Entry], new: Sequence[Entry]) -> list[Entry]:
+def with_new(old: Sequence[Entry], new: Sequence[Entry]) -> list[Entry]:
     """History with new rows at its end; what was measured of the same program before, they replace."""
-    replaced = {(entry.state, entry.figure) for entry in new}
-    return [entry for entry in known if (entry.state, entry.figure) not in replaced] + list(new)
+    names = {(entry.state, entry.figure) for entry in new}
+    return [entry for entry in old if (entry.state, entry.figure) not in names] + list(new)
 
 
-def before(known: Sequence[Entry], entry: Entry) -> Entry | None:
+def find_previous(entries: Sequence[Entry], entry: Entry) -> Entry | None:
     """The same figure of the last program before this one."""
-    others = [one for one in known if one.figure == entry.figure]
+    others = [old_entry for old_entry in entries if old_entry.figure == entry.figure]
     at = others.index(entry) if entry in others else len(others)
-    return next((one for one in reversed(others[:at]) if one.state != entry.state), None)
+    return next((old_entry for old_entry in reversed(others[:at]) if old_entry.state != entry.state), None)
 
 
-def latest(known: Sequence[Entry]) -> list[Entry]:
+def latest(entries: Sequence[Entry]) -> list[Entry]:
     """The last value of each figure, in the order in which the figures came first."""
-    return list({entry.figure: entry for entry in known}.values())
+    return list({entry.figure: entry for entry in entries}.values())
 
 
-def states(known: Sequence[Entry]) -> list[tuple[str, str]]:
+def states(entries: Sequence[Entry]) -> list[tuple[str, str]]:
     """The programs that were measured, the oldest first."""
-    return list(dict.fromkeys(entry.state for entry in known))
+    return list(dict.fromkeys(entry.state for entry in entries))
 
 
-def row(entry: Entry, last: Entry | None) -> tuple[str, ...]:
+def row(entry: Entry, previous: Entry | None) -> tuple[str, ...]:
     """Cells of a table: figure, measured, on the machine of the goals, goal, whether met, ratio to the last version."""
     goal = "" if entry.goal is None else f"{entry.goal:g} {entry.unit}"
-    verdict = {None: "", True: "met", False: "missed"}[entry.met]
-    scaled = f"{entry.scaled:.3g}" if entry.unit in _TIMES else ""
-    ratio = f"{entry.scaled / last.scaled:.2f}" if last is not None and last.scaled else ""
-    return entry.figure, f"{entry.value:.3g} {entry.unit}", scaled, goal, verdict, ratio
+    verdict = {None: "", True: "met", False: "missed"}[entry.is_met]
+    time_text = f"{entry.machine_scaled:.3g}" if entry.unit in _TIMES else ""
+    ratio = (
+        f"{entry.machine_scaled / previous.machine_scaled:.2f}"
+        if previous is not None and previous.machine_scaled
+        else ""
+    )
+    return entry.figure, f"{entry.value:.3g} {entry.unit}", time_text, goal, verdict, ratio
 
 
 HEAD = ("figure", "measured", "scaled", "goal", "", "to last")

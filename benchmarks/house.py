@@ -155,7 +155,7 @@ def _names(node: ast.AST) -> Iterator[str]:
 
 
 @dataclass(frozen=True)
-class Known:
+class AxisFiles:
     """Files that know an axis.
 
     Parameters
@@ -173,22 +173,22 @@ class Known:
     unmatched: tuple[str, ...]
 
 
-def files_that_know(axis: Axis, files: Mapping[str, str]) -> Known:
+def files_that_know(axis: Axis, files: Mapping[str, str]) -> AxisFiles:
     """Files that know an axis, of those whose text is given."""
     names = {path: names_in(text) for path, text in files.items()}
     all_names = set().union(*names.values())
-    matched = {
+    matches = {
         expression: {name for name in all_names if re.search(expression, name)} for expression in axis.names
     }
-    of_axis = set().union(*matched.values())
-    return Known(
+    of_axis = set().union(*matches.values())
+    return AxisFiles(
         tuple(
             path
-            for path, own in names.items()
-            if own & of_axis and not path.endswith(axis.another_thing_in or ("/",))
+            for path, names_of_file in names.items()
+            if names_of_file & of_axis and not path.endswith(axis.another_thing_in or ("/",))
         ),
         sum(re.search(axis.prose, text) is not None for text in files.values()),
-        tuple(expression for expression, names_of_it in matched.items() if not names_of_it),
+        tuple(expression for expression, names_of_it in matches.items() if not names_of_it),
     )
 
 
@@ -256,10 +256,10 @@ def caches(text: str) -> int:
 def entered_files(root: Path) -> tuple[str, ...]:
     """Files of the packages of which a run of the example calls a function, in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
-        run = [sys.executable, __file__, str(root), "--run-into", folder]
-        found = subprocess.run(run, capture_output=True, text=True)
-        if found.returncode != 0:
-            raise RuntimeError(found.stderr[-2000:])
+        command = [sys.executable, __file__, str(root), "--run-into", folder]
+        process = subprocess.run(command, capture_output=True, text=True)
+        if process.returncode != 0:
+            raise RuntimeError(process.stderr[-2000:])
         return tuple((Path(folder) / "entered.txt").read_text(encoding="utf-8").split())
 
 
@@ -267,12 +267,12 @@ def _run_into(root: Path, folder: Path) -> None:
     """Run the example in this process, and write the files that it enters."""
     sys.path.insert(0, str(root))
     packages = tuple(f"{root / package}/" for package in PACKAGES)
-    called: dict[CodeType, bool] = {}
+    entered: dict[CodeType, bool] = {}
 
     def watch(frame: FrameType, event: str, _: Any) -> None:
         code = frame.f_code
-        if event == "call" and not called.get(code) and code.co_filename.startswith(packages):
-            called[code] = _is_named_function(code) and not _is_importing(frame)
+        if event == "call" and not entered.get(code) and code.co_filename.startswith(packages):
+            entered[code] = _is_named_function(code) and not _is_importing(frame)
 
     from fem_seal.__main__ import main as command_line
 
@@ -285,7 +285,7 @@ def _run_into(root: Path, folder: Path) -> None:
     files = sorted(
         {
             str(Path(code.co_filename).relative_to(root))
-            for code, counts in called.items()
+            for code, counts in entered.items()
             if counts
             and code.co_filename.endswith(".py")  # jinja's templates are none of the program's modules
         }
@@ -311,44 +311,44 @@ def figures(root: Path) -> tuple[dict[str, int], list[str]]:
     """Each figure by its name in `ceilings.toml`, and what else stands in the table or is wrong with the patterns."""
     every = code_files(root)
     two = {path: text for path, text in every.items() if not path.startswith("meshes")}
-    measured = {
+    numbers = {
         "code_lines": sum(lines["code"] for lines in rooms(root).values()),
         "entered_files": len(entered_files(root)),
         "members_of_LoadResult": len(members("LoadResult", every)[1]),
         "fields_of_SealProblem": len(members("SealProblem", every)[0]),
     }
-    unmatched = []
+    faults = []
     for name, axis in AXES.items():
-        known = files_that_know(axis, two)
-        measured[f"files_that_know_{name}"] = len(known.files)
-        measured[f"files_that_know_{name}_with_prose"] = known.with_prose
-        unmatched += [f"{name}: nothing matches {expression!r}" for expression in known.unmatched]
-    measured["module_numbers"] = sum(map(module_numbers, every.values()))
-    measured["caches"] = sum(map(caches, every.values()))
-    return measured, unmatched
+        count = files_that_know(axis, two)
+        numbers[f"files_that_know_{name}"] = len(count.files)
+        numbers[f"files_that_know_{name}_with_prose"] = count.with_prose
+        faults += [f"{name}: nothing matches {expression!r}" for expression in count.unmatched]
+    numbers["module_numbers"] = sum(map(module_numbers, every.values()))
+    numbers["caches"] = sum(map(caches, every.values()))
+    return numbers, faults
 
 
 def main() -> None:
     """Print the table, and fail with `--check` where a figure is above its ceiling."""
-    given = [word for word in sys.argv[1:] if not word.startswith("--")]
-    root = Path(given[0]).resolve() if given else HERE.parent
+    arguments = [word for word in sys.argv[1:] if not word.startswith("--")]
+    root = Path(arguments[0]).resolve() if arguments else HERE.parent
     if "--run-into" in sys.argv:
-        _run_into(root, Path(given[1]))
+        _run_into(root, Path(arguments[1]))
     ceilings = tomllib.loads(CEILINGS.read_text(encoding="utf-8"))
-    measured, unmatched = figures(root)
-    above = []
-    for name, number in measured.items():
+    numbers, faults = figures(root)
+    excesses = []
+    for name, number in numbers.items():
         ceiling = ceilings.get(name)
         print(
             f"{name.replace('_', ' '):42}{number:8,}"
             + ("" if ceiling is None else f"   at most {ceiling:7,}")
         )
         if ceiling is not None and number > ceiling:
-            above.append(
+            excesses.append(
                 f"{name} = {number}: above its ceiling {ceiling} in benchmarks/{CEILINGS.name}; {RAISED}"
             )
-    if "--check" in sys.argv and (above or unmatched):
-        sys.exit("\n".join([*above, *unmatched]))
+    if "--check" in sys.argv and (excesses or faults):
+        sys.exit("\n".join([*excesses, *faults]))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ KINDS = ("files", "code", "docstrings", "comments", "blank")
 BESIDE = (".toml", ".j2", ".css", ".js", ".html", ".json")
 
 
-def counted(text: str) -> Counter[str]:
+def count_lines(text: str) -> Counter[str]:
     """Lines of one Python file by what stands on them."""
     docstrings: set[int] = set()
     texts: set[int] = set()
@@ -32,15 +32,15 @@ def counted(text: str) -> Counter[str]:
             and isinstance(node.value.value, str)
         ):
             docstrings.update(_lines(node))
-    found = Counter(files=1, code=0, docstrings=0, comments=0, blank=0)
+    counts = Counter(files=1, code=0, docstrings=0, comments=0, blank=0)
     for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
         if number in docstrings:
-            found["docstrings"] += 1
+            counts["docstrings"] += 1
         elif number in texts:
-            found["code"] += 1
+            counts["code"] += 1
         else:
-            found["blank" if not line else "comments" if line.startswith("#") else "code"] += 1
-    return found
+            counts["blank" if not line else "comments" if line.startswith("#") else "code"] += 1
+    return counts
 
 
 def _lines(node: ast.expr | ast.stmt) -> range:
@@ -49,17 +49,17 @@ def _lines(node: ast.expr | ast.stmt) -> range:
 
 def rooms(root: Path) -> dict[str, Counter[str]]:
     """Lines by room, "leak/flow"; files of a package that stand in no room are under its name."""
-    found: dict[str, Counter[str]] = {}
+    counts: dict[str, Counter[str]] = {}
     for package in PACKAGES:
         for path in sorted((root / package).rglob("*.py*")):
             if path.suffix not in (".py", ".pyi"):
                 continue
             room = "/".join(path.relative_to(root).parts[:-1][:2])
-            found.setdefault(room, Counter()).update(counted(path.read_text(encoding="utf-8")))
-    return found
+            counts.setdefault(room, Counter()).update(count_lines(path.read_text(encoding="utf-8")))
+    return counts
 
 
-def beside(root: Path) -> Counter[str]:
+def count_other_lines(root: Path) -> Counter[str]:
     """Lines of other files in the packages that are not blank, by their kind."""
     return Counter(
         path.suffix
@@ -74,13 +74,16 @@ def beside(root: Path) -> Counter[str]:
 def main() -> None:
     """Print the table."""
     root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1]
-    found = rooms(root)
-    total = sum(found.values(), Counter())
+    counts = rooms(root)
+    total = sum(counts.values(), Counter())
     print(f"{'room':22}" + "".join(f"{kind:>12}" for kind in KINDS) + f"{'lines':>10}")
-    for room, lines in [*sorted(found.items()), ("all", total)]:
+    for room, lines in [*sorted(counts.items()), ("all", total)]:
         each = "".join(f"{lines[kind]:12,}" for kind in KINDS)
         print(f"{room:22}{each}{sum(lines[kind] for kind in KINDS[1:]):10,}")
-    print("beside: " + ", ".join(f"{lines:,} {kind[1:]}" for kind, lines in sorted(beside(root).items())))
+    print(
+        "beside: "
+        + ", ".join(f"{lines:,} {kind[1:]}" for kind, lines in sorted(count_other_lines(root).items()))
+    )
 
 
 if __name__ == "__main__":

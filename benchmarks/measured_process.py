@@ -41,7 +41,9 @@ class Cost:
     memory: float
 
 
-def measured(command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None) -> Cost:
+def measure_process(
+    command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None
+) -> Cost:
     """Run a command in a folder; what it prints goes to `printed.log` there.
 
     Raises

@@ -140,8 +140,8 @@ def outcome(tables: dict[str, Any]) -> Outcome:
     try:
         case = fem_seal.Case(**tables)
         problem = SealProblem.of(case)
-        solved = evaluate(problem).solved
-        (contact,) = solved.contacts
+        contacts = evaluate(problem).solved
+        (contact,) = contacts.contacts
     except (SealError, MeshesError) as error:
         kind = "not converged" if isinstance(error, ConvergenceError) else "refused"
         return Outcome(kind, str(error), time.perf_counter() - start)

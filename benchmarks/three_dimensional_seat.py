@@ -27,7 +27,7 @@ from calculix_deck import LOWEST_PRESSURE, FloatArray
 from calculix_page import table
 from calculix_solid import SolidSeal, solid_deck
 from case_to_line_load import mean_contact
-from measured_process import Cost, measured
+from measured_process import Cost, measure_process
 from scipy.interpolate import CubicSpline
 
 import fem_seal
@@ -164,17 +164,17 @@ def run_solid(
     expected_peak : float
         Highest pressure anywhere [Pa]; the closure starts as deep as it needs where the seat is highest.
     """
-    lowered = problem.law.u0 * math.log(1e-6 * expected_peak / LOWEST_PRESSURE) - amplitude
-    seal = SolidSeal.of(solid.section(problem), solid.layers, amplitude, lowered)
+    way_down = problem.law.u0 * math.log(1e-6 * expected_peak / LOWEST_PRESSURE) - amplitude
+    seal = SolidSeal.of(solid.section(problem), solid.layers, amplitude, way_down)
     force = expected_forces(problem)[-1]
     cost = calculix.run(solid_deck(seal, problem.materials, problem.law, force, TOLERANCE), 1, folder)
     (pressure,) = calculix.contact_pressures(folder / "seal.frd")
-    angle, line_load, peak = _around(seal, pressure)
+    angle, line_load, peak = _compare_around(seal, pressure)
     reaction = QUARTERS * float(calculix.total_forces(folder)[-1, 2])
     return SolidRun(angle, line_load, peak, int(seal.seat.number.max()), reaction / force - 1, cost)
 
 
-def _around(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _compare_around(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Angle, line load and peak pressure on the planes between the layers.
 
     The pressure counts at the elements' corners; at the nodes between them CalculiX extrapolates it.
@@ -206,24 +206,24 @@ class Comparison:
 
     def line_load(self, amplitude: float, angle: FloatArray) -> FloatArray:
         """Line load of fem-seal over its mean."""
-        found = self.ours[amplitude]
-        return _at(found, found.line_load / found.local.mean.line_load, angle)
+        circumference = self.ours[amplitude]
+        return _at(circumference, circumference.line_load / circumference.local.mean.line_load, angle)
 
     def differences(self, solid: Solid, amplitude: float) -> tuple[float, float]:
         """What CalculiX has more anywhere: of line load over its mean, of peak pressure over the largest one.
 
         Its pressures are divided by the share of the force that they carry.
         """
-        theirs, found = self.theirs[solid][amplitude], self.ours[amplitude]
+        theirs, ours = self.theirs[solid][amplitude], self.ours[amplitude]
         load = theirs.over_mean - self.line_load(amplitude, theirs.angle)
-        expected = _at(found, found.peak_pressure, theirs.angle)
-        peak = theirs.peak_pressure * found.local.mean.line_load / theirs.mean - expected
-        return _largest(load), _largest(peak) / float(expected.max())
+        mine = _at(ours, ours.peak_pressure, theirs.angle)
+        peak = theirs.peak_pressure * ours.local.mean.line_load / theirs.mean - mine
+        return _largest(load), _largest(peak) / float(mine.max())
 
 
-def _at(found: Circumference, values: FloatArray, angle: FloatArray) -> FloatArray:
+def _at(circumference: Circumference, values: FloatArray, angle: FloatArray) -> FloatArray:
     """Values of fem-seal at other angles."""
-    whole = np.append(found.angle, 2 * np.pi)
+    whole = np.append(circumference.angle, 2 * np.pi)
     return np.asarray(CubicSpline(whole, np.append(values, values[0]), bc_type="periodic")(angle))
 
 
@@ -239,21 +239,21 @@ def run_fem_seal(
     case, file = case_of(amplitudes[-1], folder)
     problem = SealProblem.of(case)
     command = [sys.executable, str(HERE / "case_to_line_load.py"), str(file), "line_load.csv"]
-    costs = [measured(command, folder) for _ in range(repeat)]
+    costs = [measure_process(command, folder) for _ in range(repeat)]
     process = Cost(*(min(getattr(cost, name) for cost in costs) for name in ("wall", "processor", "memory")))
     steps = []
     for _ in range(repeat):
         start = time.process_time()
         mean = mean_contact(problem)
-        solved = time.process_time()
+        time_solved = time.process_time()
         local = LocalContact(mean, problem.law)
         around(problem.form, local)
-        known = time.process_time()
+        time_prepared = time.process_time()
         around(problem.form.scaled(0.9), local)
-        steps.append((solved - start, known - solved, time.process_time() - known))
+        steps.append((time_solved - start, time_prepared - time_solved, time.process_time() - time_prepared))
     forms = {amplitude: SealProblem.of(case_of(amplitude, folder)[0]).form for amplitude in amplitudes}
-    found = {amplitude: around(form, local) for amplitude, form in forms.items()}
-    return found, process, Warm(*(min(times) for times in zip(*steps, strict=True)))
+    circumferences = {amplitude: around(form, local) for amplitude, form in forms.items()}
+    return circumferences, process, Warm(*(min(times) for times in zip(*steps, strict=True)))
 
 
 def compare(solids: Sequence[Solid], amplitudes: Sequence[float], repeat: int, folder: Path) -> Comparison:
@@ -262,9 +262,9 @@ def compare(solids: Sequence[Solid], amplitudes: Sequence[float], repeat: int, f
     theirs: dict[Solid, dict[float, SolidRun]] = {solid: {} for solid in solids}
     comparison = Comparison(ours, theirs, process, warm)
     for solid in solids:
-        for amplitude, found in ours.items():
+        for amplitude, circumference in ours.items():
             problem = SealProblem.of(case_of(amplitude, folder)[0])
-            run = run_solid(problem, solid, amplitude, float(found.peak_pressure.max()), folder)
+            run = run_solid(problem, solid, amplitude, float(circumference.peak_pressure.max()), folder)
             theirs[solid][amplitude] = run
             load, peak = comparison.differences(solid, amplitude)
             print(
@@ -274,10 +274,10 @@ def compare(solids: Sequence[Solid], amplitudes: Sequence[float], repeat: int, f
     return comparison
 
 
-def page(version: str, found: Comparison) -> str:
+def page(version: str, comparison: Comparison) -> str:
     """The page as Markdown."""
-    mean = next(iter(found.ours.values())).local.mean
-    waving = [amplitude for amplitude in found.ours if amplitude]
+    mean = next(iter(comparison.ours.values())).local.mean
+    amplitudes = [amplitude for amplitude in comparison.ours if amplitude]
     parts = [
         "# A two-lobed seat against a three-dimensional model in CalculiX",
         "Written by `benchmarks/three_dimensional_seat.py`.",
@@ -305,9 +305,9 @@ def page(version: str, found: Comparison) -> str:
                     f"{runs[0.0].over_mean.max():.4f}",
                     _share(runs[0.0].mean / mean.line_load - 1),
                     f"{runs[0.0].reaction:+.0e}",
-                    _share(found.differences(solid, 0.0)[1]),
+                    _share(comparison.differences(solid, 0.0)[1]),
                 )
-                for solid, runs in found.theirs.items()
+                for solid, runs in comparison.theirs.items()
             ),
         ),
         "## The two-lobed seat",
@@ -317,12 +317,12 @@ def page(version: str, found: Comparison) -> str:
         table(
             "A, size and layers, least: fem-seal, CalculiX, largest: fem-seal, CalculiX, difference of line load, "
             "of peak pressure, force",
-            (row for amplitude in waving for row in _rows(found, amplitude)),
+            (row for amplitude in amplitudes for row in _rows(comparison, amplitude)),
         ),
-        f"Around the axis, CalculiX with {found.finest}:",
+        f"Around the axis, CalculiX with {comparison.finest}:",
         table(
-            "phi [deg], " + ", ".join(f"A = {1e6 * a:g} um: fem-seal, CalculiX" for a in waving),
-            _around_rows(found, waving),
+            "phi [deg], " + ", ".join(f"A = {1e6 * a:g} um: fem-seal, CalculiX" for a in amplitudes),
+            _around_rows(comparison, amplitudes),
         ),
         "## What CalculiX needs for it",
         "All of the contact in one pair: of pairs that share an edge, one for each layer, CalculiX 2.20 leaves out "
@@ -341,20 +341,20 @@ def page(version: str, found: Comparison) -> str:
                     f"{run.cost.processor:.1f}",
                     f"{run.cost.memory:.0f}",
                 )
-                for solid, runs in found.theirs.items()
+                for solid, runs in comparison.theirs.items()
                 for amplitude, run in runs.items()
             ),
         ),
-        _cost(found, waving),
+        _cost(comparison, amplitudes),
     ]
     return "\n\n".join(parts) + "\n"
 
 
-def _rows(found: Comparison, amplitude: float) -> Iterator[tuple[object, ...]]:
-    ours = found.ours[amplitude]
-    for solid, runs in found.theirs.items():
+def _rows(comparison: Comparison, amplitude: float) -> Iterator[tuple[object, ...]]:
+    ours = comparison.ours[amplitude]
+    for solid, runs in comparison.theirs.items():
         theirs = runs[amplitude]
-        load, peak = found.differences(solid, amplitude)
+        load, peak = comparison.differences(solid, amplitude)
         yield (
             f"{1e6 * amplitude:g} um",
             solid,
@@ -368,16 +368,16 @@ def _rows(found: Comparison, amplitude: float) -> Iterator[tuple[object, ...]]:
         )
 
 
-def _around_rows(found: Comparison, waving: Sequence[float]) -> Iterator[tuple[str, ...]]:
-    runs = found.theirs[found.finest]
+def _around_rows(comparison: Comparison, amplitudes: Sequence[float]) -> Iterator[tuple[str, ...]]:
+    runs = comparison.theirs[comparison.finest]
     angle = runs[0.0].angle
     for k in range(0, len(angle), 2):
-        pairs = ((found.line_load(a, angle)[k], runs[a].over_mean[k]) for a in waving)
+        pairs = ((comparison.line_load(a, angle)[k], runs[a].over_mean[k]) for a in amplitudes)
         yield (f"{math.degrees(angle[k]):.4g}", *(f"{value:.4f}" for pair in pairs for value in pair))
 
 
-def _cost(found: Comparison, waving: Sequence[float]) -> str:
-    warm, process = found.warm, found.process
+def _cost(comparison: Comparison, amplitudes: Sequence[float]) -> str:
+    warm, process = comparison.warm, comparison.process
     ways = {
         f"the whole process from the start of Python ({process.processor:.2f} s, {process.memory:.0f} MB)": (
             process.processor,
@@ -393,16 +393,16 @@ def _cost(found: Comparison, waving: Sequence[float]) -> str:
     lines = ["CalculiX takes as many times as long as fem-seal, on the mean of the two-lobed seats:", ""]
     for name, (seconds, goal) in ways.items():
         ratios = {
-            solid: float(np.mean([runs[a].cost.processor for a in waving])) / seconds
-            for solid, runs in found.theirs.items()
+            solid: float(np.mean([runs[a].cost.processor for a in amplitudes])) / seconds
+            for solid, runs in comparison.theirs.items()
         }
-        met = (
+        is_met = (
             ""
             if goal is None
             else f"; goal {goal}" + ("" if min(ratios.values()) >= goal else ", **missed**")
         )
         lines.append(
-            f"- {name}: {', '.join(f'{ratio:.3g} ({solid})' for solid, ratio in ratios.items())}{met}"
+            f"- {name}: {', '.join(f'{ratio:.3g} ({solid})' for solid, ratio in ratios.items())}{is_met}"
         )
     return "\n".join(lines)
 
@@ -416,18 +416,18 @@ def main() -> int:
     parser.add_argument(
         "--quick", action="store_true", help="the coarser solids and one amplitude; writes no page"
     )
-    given = parser.parse_args()
+    options = parser.parse_args()
     try:
         version = calculix.version()
     except FileNotFoundError as error:
         print(f"skipped: {error}")
         return 0
     with tempfile.TemporaryDirectory() as name:
-        if given.quick:
+        if options.quick:
             print(page(version, compare(SOLIDS[:1], (0.0, AMPLITUDES[1]), 1, Path(name))))
         else:
-            found = compare(SOLIDS, (0.0, *AMPLITUDES), 3, Path(name))
-            PAGE.write_text(page(version, found), encoding="utf-8")
+            comparison = compare(SOLIDS, (0.0, *AMPLITUDES), 3, Path(name))
+            PAGE.write_text(page(version, comparison), encoding="utf-8")
     return 0
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 EXAMPLES = ROOT / "examples"
-KEPT = DOCS / "_build" / "examples"
+RESULTS = DOCS / "_build" / "examples"
 # Folders generated from the examples, next to cases/index.md.
 PAGES, SCRIPTS, REPORTS = (
     DOCS / "cases" / "pages",
@@ -39,7 +39,7 @@ PAGES, SCRIPTS, REPORTS = (
 )
 
 # The most informative pictures, after the section; each page shows the first two that its report has.
-TELLING = (
+BEST_PICTURES = (
     "particles",
     "compression",
     "memory",
@@ -117,19 +117,19 @@ def studies() -> list[Path]:
 @cache
 def state() -> str:
     """One number for the state of the program and the examples, on which kept results depend."""
-    seen = hashlib.sha256()
+    digest = hashlib.sha256()
     for folder in ("fem_seal", "leak", "meshes", "examples"):
         for path in sorted((ROOT / folder).rglob("*")):
-            inside = path.relative_to(ROOT)
-            made = any(part.endswith((".out", ".leak")) or part == "__pycache__" for part in inside.parts)
-            if path.is_file() and not made:
-                seen.update(str(inside).encode() + path.read_bytes())
-    return seen.hexdigest()
+            place = path.relative_to(ROOT)
+            is_result = any(part.endswith((".out", ".leak")) or part == "__pycache__" for part in place.parts)
+            if path.is_file() and not is_result:
+                digest.update(str(place).encode() + path.read_bytes())
+    return digest.hexdigest()
 
 
 def folder_of(example: Path) -> Path:
     """Folder of the kept results of an example."""
-    return KEPT / example.parent.name / example.stem
+    return RESULTS / example.parent.name / example.stem
 
 
 def keep(result: SealResult, example: Path) -> Path:
@@ -180,21 +180,21 @@ def solve(example: Path) -> None:
         raise SystemExit(f"{example.name}: {result!r}, {result.reasons}")
     result.report()
     # table and picture as in a notebook, without the title, which the page has already
-    shown = re.sub(r"^<p>.*?</p>", "", result._repr_html_())
-    claimed = result["validity"] != "outside the theory"
-    leaks = result["leak_rate_m3_per_s"][claimed].dropna()
-    span = f"{len(claimed)} designs, {leak_range_text((leaks.min(), leaks.max()), 2)}"
-    about = {"headline": span, "warnings": [], "shown": shown, "state": state()}
+    table = re.sub(r"^<p>.*?</p>", "", result._repr_html_())
+    is_inside = result["validity"] != "outside the theory"
+    leaks = result["leak_rate_m3_per_s"][is_inside].dropna()
+    span = f"{len(is_inside)} designs, {leak_range_text((leaks.min(), leaks.max()), 2)}"
+    about = {"headline": span, "warnings": [], "shown": table, "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
 
 
 def solve_all() -> None:
     """Solve the examples without kept results, on all cores."""
-    open_ = [one for one in (*studies(), *cases()) if not is_kept(one)]
+    open_ = [example for example in (*studies(), *cases()) if not is_kept(example)]
     if not open_:
         return
     # The longest first, so that no core waits for the last one: studies, and seals that are not round.
-    open_.sort(key=lambda one: (one.parent == EXAMPLES, "[form" not in one.read_text(encoding="utf-8")))
+    open_.sort(key=lambda toml: (toml.parent == EXAMPLES, "[form" not in toml.read_text(encoding="utf-8")))
     print(f"solving {len(open_)} examples", file=sys.stderr, flush=True)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
@@ -204,13 +204,13 @@ def solve_all() -> None:
 def pictures(folder: Path) -> dict[str, tuple[bytes, str, str]]:
     """Drawing, alternative text and caption of every picture of a report."""
     page = (folder / "report.html").read_text(encoding="utf-8")
-    found = {}
+    entries = {}
     for name, figure in re.findall(r'<figure id="picture-(\w+)">(.*?)</figure>', page, re.DOTALL):
         (data,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', figure)
         (alt,) = re.findall(r'alt="([^"]*)"', figure)
         (caption,) = re.findall(r"<figcaption>(.*?)</figcaption>", figure, re.DOTALL)
-        found[name] = base64.b64decode(data), unescape(alt), unescape(caption)
-    return found
+        entries[name] = base64.b64decode(data), unescape(alt), unescape(caption)
+    return entries
 
 
 def introduction(text: str) -> str:
@@ -230,21 +230,21 @@ def case_page(example: Path) -> str:
     """The page of a case, Markdown; its pictures are written next to it."""
     name, text, folder = example.stem, example.read_text(encoding="utf-8"), folder_of(example)
     about = json.loads((folder / "page.json").read_text(encoding="utf-8"))
-    drawn = pictures(folder)
-    telling = [one for one in TELLING if one in drawn][:2]
-    seal = ["seal"] if "seal" in drawn else []
-    chosen = dict.fromkeys(["sketch", SPECIAL.get(name, "sketch"), *telling, *seal])
+    files = pictures(folder)
+    best = [name_of_picture for name_of_picture in BEST_PICTURES if name_of_picture in files][:2]
+    seal = ["seal"] if "seal" in files else []
+    names = dict.fromkeys(["sketch", SPECIAL.get(name, "sketch"), *best, *seal])
     parts = [f"# {tomllib.loads(text)['title']}", introduction(text), _shown_result(about["headline"])]
-    for one in chosen:
-        drawing, alt, caption = drawn[one]
-        (PAGES / f"{name}_{one}.svg").write_bytes(drawing)
-        wide = "" if one in ("sketch", "seal") else ":class: panels\n"
-        if one == SPECIAL.get(name, "sketch"):
+    for picture in names:
+        drawing, alt, caption = files[picture]
+        (PAGES / f"{name}_{picture}.svg").write_bytes(drawing)
+        wide = "" if picture in ("sketch", "seal") else ":class: panels\n"
+        if picture == SPECIAL.get(name, "sketch"):
             (PAGES / f"{name}_card.svg").write_bytes(first_panel(drawing))
-        parts.append(f"```{{figure}} {name}_{one}.svg\n:alt: {_line(alt)}\n{wide}\n{_line(caption)}\n```")
+        parts.append(f"```{{figure}} {name}_{picture}.svg\n:alt: {_line(alt)}\n{wide}\n{_line(caption)}\n```")
     if about["warnings"]:
-        listed = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
-        parts.append(f"```{{dropdown}} Warnings of the program\n{listed}\n```")
+        warnings = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
+        parts.append(f"```{{dropdown}} Warnings of the program\n{warnings}\n```")
     parts.append(_report_link(f"{name}.html"))
     parts.append(
         f"## The case\n\n`examples/{example.name}`\n\n"
@@ -289,21 +289,21 @@ def _line(text: str) -> str:
 
 def index() -> str:
     """The gallery, Markdown."""
-    listed = {name for names in GROUPS.values() for name in names}
-    more = tuple(path.stem for path in cases() if path.stem not in listed)
+    grouped = {name for names in GROUPS.values() for name in names}
+    others = tuple(path.stem for path in cases() if path.stem not in grouped)
     parts = [INDEX]
-    for group, names in (*GROUPS.items(), ("More", more)):
+    for group, names in (*GROUPS.items(), ("More", others)):
         cards = [_card(name) for name in names if (EXAMPLES / f"{name}.toml").exists()]
         if cards:
             parts.append(f"## {group}\n\n" + _grid(cards))
     parts.append(
-        "## Studies\n\nMany designs of one case.\n\n" + _grid([_study_card(one) for one in studies()])
+        "## Studies\n\nMany designs of one case.\n\n" + _grid([_study_card(study) for study in studies()])
     )
     parts.append(SCRIPTS_AND_NOTEBOOK)
-    listing = "\n".join(
-        [*(f"pages/{one.stem}" for one in cases()), *(f"pages/study_{one.stem}" for one in studies())]
+    contents = "\n".join(
+        [*(f"pages/{case.stem}" for case in cases()), *(f"pages/study_{case.stem}" for case in studies())]
     )
-    parts.append(f"```{{toctree}}\n:hidden:\n\n{listing}\npages/notebook\nscripts/index\n```")
+    parts.append(f"```{{toctree}}\n:hidden:\n\n{contents}\npages/notebook\nscripts/index\n```")
     return "\n\n".join(parts) + "\n"
 
 
@@ -353,9 +353,9 @@ def _number(name: str) -> str:
     if not about.exists():
         return ""
     first = json.loads(about.read_text(encoding="utf-8"))["headline"].partition(". ")[0]
-    told = first.partition(" leaks ")[2] or first.partition(":")[0]
-    last = re.split(r", | and (?=[\d.]+ )", re.sub(r" \(.*?\)", "", told))[-1]
-    return f"**{_line(last.removeprefix('after ').rstrip('.'))}**"
+    text = first.partition(" leaks ")[2] or first.partition(":")[0]
+    amount = re.split(r", | and (?=[\d.]+ )", re.sub(r" \(.*?\)", "", text))[-1]
+    return f"**{_line(amount.removeprefix('after ').rstrip('.'))}**"
 
 
 def _study_card(path: Path) -> str:

@@ -139,7 +139,7 @@ GENERATED = (
 def reference() -> str:
     """The first page, Markdown: rules, and where the keys of each task are."""
     head = HEAD.replace("@TASKS@", "\n".join(_tasks()))
-    return linked(
+    return link_pages(
         "\n".join(
             [head, "## Keys\n\nAt the top of the file:\n", *_rows(Case, skip=True), UNITS, *_dimensions()]
         )
@@ -150,7 +150,7 @@ def _tasks() -> Iterator[str]:
     yield "## Where the keys are\n\n| to say | tables |\n|---|---|"
     for page, (title, names) in TASKS.items():
         # a link to a section of the former single page still arrives, beside the new one
-        headings = [one.lstrip("# ") for one in task(page).splitlines() if one.startswith("## ")]
+        headings = [line.lstrip("# ") for line in task(page).splitlines() if line.startswith("## ")]
         old = "".join(f'<span id="{make_id(heading)}"></span>' for heading in headings)
         tables = " ".join(f"`[{name}]`" for name in names) or "`material = {...}`"
         yield f"| {old}[{title}](input/{page}.md) | {tables} |"
@@ -172,13 +172,13 @@ def task(page: str) -> str:
     return re.sub(
         r"\]\(materials\.md",
         "](../materials.md",
-        linked("\n".join(parts), "../..").replace("](../guide", "](../../guide"),
+        link_pages("\n".join(parts), "../..").replace("](../guide", "](../../guide"),
     )
 
 
-def linked(page: str, up: str = "..") -> str:
+def link_pages(page: str, up: str = "..") -> str:
     """The page with a link where the program names a page: "see theory/form in the manual"."""
-    return re.sub(MANUAL_PAGE, lambda found: f"[{_title(found[1])}]({up}/{found[1]}.md)", page)
+    return re.sub(MANUAL_PAGE, lambda match: f"[{_title(match[1])}]({up}/{match[1]}.md)", page)
 
 
 def _title(name: str) -> str:
@@ -204,19 +204,19 @@ def _material_keys() -> Iterator[str]:
 
 
 def _inner_tables(
-    path: str, table: type[Table], explained: dict[tuple[type[Table], ...], str]
+    path: str, table: type[Table], tables_done: dict[tuple[type[Table], ...], str]
 ) -> Iterator[str]:
     """Tables within a table, and those within them, each explained where it comes first."""
-    for key, nested in table.model_fields.items():
-        inner = tuple(one for one in tables_of(nested) if one is not MaterialTable)
-        if inner in explained:
-            yield f"`{path}.{key}`: as `{explained[inner]}`.\n"
+    for key, subfield in table.model_fields.items():
+        inner = tuple(inner_table for inner_table in tables_of(subfield) if inner_table is not MaterialTable)
+        if inner in tables_done:
+            yield f"`{path}.{key}`: as `{tables_done[inner]}`.\n"
         elif inner:
-            explained[inner] = f"{path}.{key}"
-            for one in inner:
-                yield f"`{path}.{key}`: {_about(one)}\n"
-                yield from _rows(one)
-                yield from _inner_tables(f"{path}.{key}", one, explained)
+            tables_done[inner] = f"{path}.{key}"
+            for inner_table in inner:
+                yield f"`{path}.{key}`: {_about(inner_table)}\n"
+                yield from _rows(inner_table)
+                yield from _inner_tables(f"{path}.{key}", inner_table, tables_done)
 
 
 def _about(table: type[Table]) -> str:
@@ -228,23 +228,23 @@ def _about(table: type[Table]) -> str:
 
 def _rows(table: type[Table], skip: bool = False) -> Iterator[str]:
     yield "| key | meaning | allowed | default | example |\n|---|---|---|---|---|"
-    needed = table.model_json_schema().get("required", [])
+    required_keys = table.model_json_schema().get("required", [])
     # Keys that a table shares with others come after its own keys.
     for key, field in sorted(table.model_fields.items(), key=lambda item: item[0] != "shape"):
         if not (skip and tables_of(field)):
-            also = [f" or `{word.name}`" for word in words_of(table).values() if word.key == key]
+            alternatives = [f" or `{word.name}`" for word in words_of(table).values() if word.key == key]
             cells = (
-                "".join([f"`{key}`", *also]),
+                "".join([f"`{key}`", *alternatives]),
                 key_of(table, key).meaning,
-                _allowed(table, key, field),
-                "required" if key in needed else _default(table, key, field),
+                _range_text(table, key, field),
+                "required" if key in required_keys else _default(table, key, field),
                 _example(table, key),
             )
             yield "| " + " | ".join(str(cell) for cell in cells) + " |"
     yield ""
 
 
-def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
+def _range_text(table: type[Table], key: str, field: FieldInfo) -> str:
     words = choices(table, key)
     if words:
         return " or ".join(f'`"{word}"`' for word in words)
@@ -267,7 +267,7 @@ def _default(table: type[Table], name: str, field: FieldInfo) -> str:
 
 
 def _example(table: type[Table], name: str) -> str:
-    return "".join(f"`{toml(one)}`" for one in key_of(table, name).examples)
+    return "".join(f"`{toml(example)}`" for example in key_of(table, name).examples)
 
 
 def _materials() -> Iterator[str]:
@@ -394,8 +394,8 @@ def _material_table() -> Iterator[str]:
     yield "| name | plastic strain | stress [MPa] | source |\n|---|---|---|---|"
     for row in rows:
         if curve := row["stress_strain"]:
-            strain = ", ".join(f"{one:g}" for one in curve["plastic_strain"])
-            stress = ", ".join(f"{one / 1e6:g}" for one in curve["stress_Pa"])
+            strain = ", ".join(f"{strain_value:g}" for strain_value in curve["plastic_strain"])
+            stress = ", ".join(f"{stress_value / 1e6:g}" for stress_value in curve["stress_Pa"])
             yield f"| {row['name']} | {strain} | {stress} | {curve['source']} |"
     yield ""
     yield "## Conditions and sources\n"
@@ -423,10 +423,10 @@ def standards_reference() -> str:
         "| standard | revision | one bubble [ml] | tests | source | from memory |",
         "|---|---|---|---|---|---|",
     ]
-    for one in STANDARDS.values():
-        tests = "; ".join(_test_in_words(test) for test in one.tests) or "none known here"
-        cells = (f"{1e6 * one.bubble_volume:.2g}", tests, one.source.strip(), one.from_memory)
-        lines.append(f"| {one.name} | {one.revision} | {' | '.join(cells)} |")
+    for standard in STANDARDS.values():
+        tests = "; ".join(_test_in_words(test) for test in standard.tests) or "none known here"
+        cells = (f"{1e6 * standard.bubble_volume:.2g}", tests, standard.source.strip(), standard.from_memory)
+        lines.append(f"| {standard.name} | {standard.revision} | {' | '.join(cells)} |")
     lines.append(
         "\n## Largest leak rates\n\nIn ml/min, of gas at 101325 Pa; for a bore as large as the nominal size,"
     )
@@ -435,10 +435,10 @@ def standards_reference() -> str:
     lines.append(f"| standard | class | {' | '.join(headings)} |")
     lines.append("|---|---|" + "---|" * 2 * len(sizes))
     columns = [
-        {(one.standard, one.name): 6e7 * one.leak_rate for one in found}
+        {(limit.standard, limit.name): 6e7 * limit.leak_rate for limit in limits}
         for gas in (False, True)
         for size in sizes.values()
-        for found in [leakage_limits(size, gas=gas, pressure_drop=10e5, set_pressure=60e5)]
+        for limits in [leakage_limits(size, gas=gas, pressure_drop=10e5, set_pressure=60e5)]
     ]
     for key in dict.fromkeys(key for column in columns for key in column):
         cells = (_litres(column.get(key)) for column in columns)
@@ -454,10 +454,10 @@ def _litres(rate: float | None) -> str:
 
 def _test_in_words(test: ClosureTest) -> str:
     of = "set" if test.below > 0 else "rated"
-    least = f", at least {test.below / 6894.757:.0f} psi below it" if test.below > 0 else ""
-    most = f", at most {test.most / 1e5:.3g} bar" if math.isfinite(test.most) else ""
+    lowest = f", at least {test.below / 6894.757:.0f} psi below it" if test.below > 0 else ""
+    highest = f", at most {test.most / 1e5:.3g} bar" if math.isfinite(test.most) else ""
     classes = f" (classes {', '.join(test.classes)})" if test.classes else ""
-    return f"{test.name}: {test.medium} at {test.share:g} times the {of} pressure{least}{most}{classes}"
+    return f"{test.name}: {test.medium} at {test.share:g} times the {of} pressure{lowest}{highest}{classes}"
 
 
 def finishes_reference() -> str:
@@ -472,11 +472,11 @@ def finishes_reference() -> str:
             "sources |",
             "|---|---|---|---|---|---|---|---|---|",
             *(
-                f"| {one.name} | {1e6 * one.Ra[0]:g} to {1e6 * one.Ra[1]:g} | {_spread(one.hurst)} | "
-                f"{_spread(one.rolloff, 1e6)} | {one.lay} | {_spread(one.aspect)} | "
-                f"{one.rq_over_ra[0]:g} to {one.rq_over_ra[1]:g} | {one.rz_over_ra[0]:g} to {one.rz_over_ra[1]:g} | "
-                f"{', '.join(one.sources)} |"
-                for one in PROCESSES.values()
+                f"| {p.name} | {1e6 * p.Ra[0]:g} to {1e6 * p.Ra[1]:g} | {_spread(p.hurst)} | "
+                f"{_spread(p.rolloff, 1e6)} | {p.lay} | {_spread(p.aspect)} | "
+                f"{p.rq_over_ra[0]:g} to {p.rq_over_ra[1]:g} | {p.rz_over_ra[0]:g} to {p.rz_over_ra[1]:g} | "
+                f"{', '.join(p.sources)} |"
+                for p in PROCESSES.values()
             ),
             f"\nThe shortest wave is {_spread(SHORTEST_WAVE, 1e6)} um for all of them (estimate).\n",
             "| source | what it says |",
@@ -487,8 +487,8 @@ def finishes_reference() -> str:
     )
 
 
-def _spread(spread: Spread, scale: float = 1.0) -> str:
-    low, usual, high = (f"{scale * one:g}" for one in spread)
+def _spread(values: Spread, scale: float = 1.0) -> str:
+    low, usual, high = (f"{scale * value:g}" for value in values)
     return usual if low == high else f"{usual} ({low} to {high})"
 
 
@@ -510,8 +510,8 @@ def _fluids() -> Iterator[str]:
 
 def _dimensions() -> Iterator[str]:
     yield "| quantity | SI unit | written for example |\n|---|---|---|"
-    for one in DIMENSIONS.values():
-        yield f"| {one.name} | {one.si_unit} | {', '.join(f'`{toml(text)}`' for text in one.examples)} |"
+    for kind in DIMENSIONS.values():
+        yield f"| {kind.name} | {kind.si_unit} | {', '.join(f'`{toml(text)}`' for text in kind.examples)} |"
     yield ""
 
 
@@ -539,7 +539,7 @@ _ANSWERS = INTERVAL | {FORCE_FOR_VERDICT}
 
 def columns_reference() -> str:
     """The whole page of the columns, Markdown."""
-    return linked("\n".join([COLUMNS_HEAD, *_leak_columns(), *_other_columns()]))
+    return link_pages("\n".join([COLUMNS_HEAD, *_leak_columns(), *_other_columns()]))
 
 
 def _leak_columns() -> Iterator[str]:
@@ -553,11 +553,11 @@ def _leak_columns() -> Iterator[str]:
             " ".join(f"`[{table}]`" for table in column.needs),
         )
         yield "| " + " | ".join(cells) + " |"
-    for name, meaning in MEANINGS["words"].items():
-        yield f"| `{name}` |  | {meaning} |  |  |"
+    for name, text in MEANINGS["words"].items():
+        yield f"| `{name}` |  | {text} |  |  |"
     yield ""
-    listed = ", ".join(f"`{name}`" for name in PROFILE_LEAK_COLUMNS)
-    yield f"`fem-seal leak`, which has a pressure profile but no bodies, writes {listed} and the validity.\n"
+    names = ", ".join(f"`{name}`" for name in PROFILE_LEAK_COLUMNS)
+    yield f"`fem-seal leak`, which has a pressure profile but no bodies, writes {names} and the validity.\n"
 
 
 def _other_columns() -> Iterator[str]:
@@ -578,7 +578,7 @@ def _other_columns() -> Iterator[str]:
         yield f"## {table}.csv\n\n{rows}\n"
         yield "| column | unit | meaning |\n|---|---|---|"
         yield from (
-            f"| `{name}` | {split_unit(name)[1]} | {meaning} |" for name, meaning in MEANINGS[table].items()
+            f"| `{name}` | {split_unit(name)[1]} | {text} |" for name, text in MEANINGS[table].items()
         )
         yield ""
 

@@ -44,14 +44,17 @@ def commands() -> str:
     """The page of the command line, Markdown."""
     parts = [COMMANDS_HEAD]
     for path, command in _commands(get_command(app), "fem-seal"):
-        arguments = [one for one in command.params if one.param_type_name == "argument"]
-        options = [one for one in command.params if one.param_type_name == "option" and not one.hidden]
-        called = " ".join([path, *(_argument(one) for one in arguments), *(["[OPTIONS]"] if options else [])])
-        parts.append(f"## {path}\n\n{cleandoc(command.help or '')}\n\n```\n{called}\n```\n")
+        arguments = [each for each in command.params if each.param_type_name == "argument"]
+        options = [each for each in command.params if each.param_type_name == "option" and not each.hidden]
+        usage = " ".join(
+            [path, *(_argument(each) for each in arguments), *(["[OPTIONS]"] if options else [])]
+        )
+        parts.append(f"## {path}\n\n{cleandoc(command.help or '')}\n\n```\n{usage}\n```\n")
         rows = [
-            (f"`{one.metavar or one.name.upper()}`", getattr(one, "help", "") or "", "") for one in arguments
+            (f"`{each.metavar or each.name.upper()}`", getattr(each, "help", "") or "", "")
+            for each in arguments
         ]
-        rows += [(f"`{', '.join(one.opts)}`{_value(one)}", one.help or "", _default(one)) for one in options]
+        rows += [(f"`{', '.join(opt.opts)}`{_value(opt)}", opt.help or "", _default(opt)) for opt in options]
         if rows:
             parts.append(
                 "| | | default |\n|---|---|---|\n" + "\n".join(f"| {' | '.join(row)} |" for row in rows)
@@ -85,24 +88,24 @@ def _commands(group: Any, path: str) -> Iterator[tuple[str, Any]]:
             yield f"{path} {name}", command
 
 
-def _argument(one: Any) -> str:
-    name = one.metavar or one.name.upper()
-    return name if one.required else f"[{name}]"
+def _argument(argument: Any) -> str:
+    name = argument.metavar or argument.name.upper()
+    return name if argument.required else f"[{name}]"
 
 
-def _value(one: Any) -> str:
-    return "" if one.is_flag else f" `{one.metavar or one.name.upper()}`"
+def _value(option: Any) -> str:
+    return "" if option.is_flag else f" `{option.metavar or option.name.upper()}`"
 
 
-def _default(one: Any) -> str:
-    shown = one.show_default if isinstance(one.show_default, str) else one.default
-    return "" if shown in (None, False, True, (), "") or callable(shown) else f"`{shown}`"
+def _default(option: Any) -> str:
+    default = option.show_default if isinstance(option.show_default, str) else option.default
+    return "" if default in (None, False, True, (), "") or callable(default) else f"`{default}`"
 
 
 def api() -> Iterator[tuple[str, str]]:
     """Names and texts of the pages of Python, reStructuredText."""
-    listed = "\n".join(f"   {package.__name__}" for package in PACKAGES)
-    yield "index", f"{_heading('Python', '=')}{API_HEAD}\n\n.. toctree::\n   :maxdepth: 2\n\n{listed}\n"
+    names_text = "\n".join(f"   {package.__name__}" for package in PACKAGES)
+    yield "index", f"{_heading('Python', '=')}{API_HEAD}\n\n.. toctree::\n   :maxdepth: 2\n\n{names_text}\n"
     for package, about in PACKAGES.items():
         name = package.__name__
         parts = [_heading(name, "=") + about]
@@ -112,7 +115,7 @@ def api() -> Iterator[tuple[str, str]]:
                 if room
                 else "Tables"
             )
-            entries = "\n".join(f"   {one}" for one in names)
+            entries = "\n".join(f"   {name}" for name in names)
             parts.append(
                 f"{_heading(title, '-')}.. currentmodule:: {name}\n\n.. autosummary::\n   :toctree: names\n\n{entries}"
             )
@@ -130,10 +133,10 @@ def _rooms(package: ModuleType) -> dict[str, list[str]]:
     for name in package.__all__:
         if name.startswith("__"):
             continue
-        one = getattr(package, name)
-        home = getattr(one, "__module__", None)
+        object_ = getattr(package, name)
+        home = getattr(object_, "__module__", None)
         room = ".".join(home.split(".")[:2]) if isinstance(home, str) else ""
-        if isinstance(one, ModuleType):
+        if isinstance(object_, ModuleType):
             continue
         rooms[room].append(name)
     return dict(sorted(rooms.items(), key=lambda item: item[0] or "~"))
@@ -156,8 +159,8 @@ def check_first_pages(headline: str) -> None:
     ValueError
     """
     for page in (FOLDER.parent / "index.md", FOLDER.parents[1] / "README.md"):
-        typed = re.search(r"\*\*(.*ml/min)\*\*", page.read_text(encoding="utf-8"))
-        if typed is None or f"{typed[1]} at 50 bar" not in headline:
+        match = re.search(r"\*\*(.*ml/min)\*\*", page.read_text(encoding="utf-8"))
+        if match is None or f"{match[1]} at 50 bar" not in headline:
             raise ValueError(f"{page}: the leak rate of the first seal is not the calculated one: {headline}")
 
 
@@ -171,54 +174,52 @@ def tutorial(folder: Path) -> None:
     """
     import gallery
 
-    made = folder / "made"
-    made.mkdir(exist_ok=True)
+    folder_of_results = folder / "made"
+    folder_of_results.mkdir(exist_ok=True)
     with TemporaryDirectory() as place:
         copy = Path(place) / "first_seal.toml"
         copy.write_text((folder / copy.name).read_text(encoding="utf-8"), encoding="utf-8")
-        (made / "check.txt").write_text(_terminal("check", copy), encoding="utf-8")
-        (made / "run.txt").write_text(_terminal("run", copy), encoding="utf-8")
-        drawn = gallery.pictures(copy.with_suffix(".out"))
+        (folder_of_results / "check.txt").write_text(_terminal("check", copy), encoding="utf-8")
+        (folder_of_results / "run.txt").write_text(_terminal("run", copy), encoding="utf-8")
+        pictures = gallery.pictures(copy.with_suffix(".out"))
         page = (copy.with_suffix(".out") / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")
     for name in ("sketch", "leak"):
-        (made / f"{name}.svg").write_bytes(drawn[name][0])
+        (folder_of_results / f"{name}.svg").write_bytes(pictures[name][0])
     # for the first page, on which the whole would have letters that nobody can read
-    (made / "section.svg").write_bytes(gallery.first_panel(drawn["sketch"][0]))
+    (folder_of_results / "section.svg").write_bytes(gallery.first_panel(pictures["sketch"][0]))
     first = re.search(r'<p class="headline">(.*?)</p>', page)
     assert first is not None
-    (made / "headline.md").write_text(f"> {unescape(first[1])}\n", encoding="utf-8")
+    (folder_of_results / "headline.md").write_text(f"> {unescape(first[1])}\n", encoding="utf-8")
     case = fem_seal.load_case(folder / "first_seal.toml")
     check_first_pages(unescape(first[1]))
     finer = headline(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"})))
-    (made / "finer.md").write_text(f"> {finer}\n", encoding="utf-8")
-    _leak_test(folder, made)
+    (folder_of_results / "finer.md").write_text(f"> {finer}\n", encoding="utf-8")
+    _leak_test(folder, folder_of_results)
 
 
-def _leak_test(folder: Path, made: Path) -> None:
+def _leak_test(folder: Path, out: Path) -> None:
     """Write the output of the tutorial on a leak test."""
     with TemporaryDirectory() as place:
         for name in ("leak_test.toml", "leak_test.csv"):
             (Path(place) / name).write_text((folder / name).read_text(encoding="utf-8"), encoding="utf-8")
         case = Path(place) / "leak_test.toml"
-        (made / "calibrate.txt").write_text(_terminal("calibrate", case, "leak_test.csv"), encoding="utf-8")
-        drawn = re.search(
+        (out / "calibrate.txt").write_text(_terminal("calibrate", case, "leak_test.csv"), encoding="utf-8")
+        match = re.search(
             r'base64,([^"]+)', (case.with_suffix(".calibrated") / "report.html").read_text(encoding="utf-8")
         )
-    assert drawn is not None
-    (made / "calibration.svg").write_bytes(base64.b64decode(drawn[1]))
+    assert match is not None
+    (out / "calibration.svg").write_bytes(base64.b64decode(match[1]))
 
 
-def _terminal(command: str, case: Path, *more: str) -> str:
+def _terminal(command: str, case: Path, *options: str) -> str:
     """A command and its output."""
-    words, out, err = [command, case.name, *more], StringIO(), StringIO()
-    with chdir(case.parent), redirect_stdout(out), redirect_stderr(err):
+    words, output, err = [command, case.name, *options], StringIO(), StringIO()
+    with chdir(case.parent), redirect_stdout(output), redirect_stderr(err):
         code = main(words)
     if code:
         raise SystemExit(f"{command}: {err.getvalue()}")
-    printed = out.getvalue().replace(f"{case.parent}{os.sep}", "")
-    return (
-        f"$ fem-seal {' '.join(words)}\n" + "\n".join(line.rstrip() for line in printed.splitlines()) + "\n"
-    )
+    text = output.getvalue().replace(f"{case.parent}{os.sep}", "")
+    return f"$ fem-seal {' '.join(words)}\n" + "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
 
 if __name__ == "__main__":

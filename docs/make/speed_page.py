@@ -22,11 +22,11 @@ COLUMNS = 3
 def page(entries: Sequence[Entry]) -> str:
     """The figures as Markdown: missed goals first, then the latest figures, then all versions."""
     newest = latest(entries)
-    missed = [entry for entry in newest if entry.met is False]
-    judged = [entry for entry in newest if entry.met is not None]
+    misses = [entry for entry in newest if entry.is_met is False]
+    with_goal = [entry for entry in newest if entry.is_met is not None]
     return "\n\n".join(
         [
-            f"**{len(judged) - len(missed)} of {len(judged)} goals are met.**" + _missed(missed),
+            f"**{len(with_goal) - len(misses)} of {len(with_goal)} goals are met.**" + _list_misses(misses),
             "## The latest figures",
             _table(
                 ("figure", "measured", "scaled", "goal", "", "ratio to the one before", "at"),
@@ -43,20 +43,20 @@ def page(entries: Sequence[Entry]) -> str:
     )
 
 
-def _missed(missed: Sequence[Entry]) -> str:
-    if not missed:
+def _list_misses(misses: Sequence[Entry]) -> str:
+    if not misses:
         return ""
     lines = [
-        f"- {entry.figure}: {_number(entry)}, {entry.scaled / entry.goal:.3g} times "
+        f"- {entry.figure}: {_number(entry)}, {entry.machine_scaled / entry.goal:.3g} times "
         f"its goal of {entry.goal:g} {entry.unit}"
-        for entry in missed
+        for entry in misses
         if entry.goal
     ]
     return " Missed:\n\n" + "\n".join(lines)
 
 
 def _number(entry: Entry) -> str:
-    return f"{entry.scaled:.3g} {entry.unit}"
+    return f"{entry.machine_scaled:.3g} {entry.unit}"
 
 
 def _plain(cells: tuple[str, ...]) -> tuple[str, ...]:
@@ -68,8 +68,8 @@ def _notes(newest: Sequence[Entry]) -> str:
 
 
 def _over_versions(entry: Entry, entries: Sequence[Entry]) -> tuple[str, ...]:
-    known = {one.state: one for one in entries if one.figure == entry.figure}
-    return entry.figure, *(_number(known[state]) if state in known else "" for state in states(entries))
+    by_state = {old.state: old for old in entries if old.figure == entry.figure}
+    return entry.figure, *(_number(by_state[state]) if state in by_state else "" for state in states(entries))
 
 
 def _name(state: tuple[str, str], entries: Sequence[Entry]) -> str:
@@ -79,7 +79,7 @@ def _name(state: tuple[str, str], entries: Sequence[Entry]) -> str:
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     cells = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
-    return "\n".join(f"| {' | '.join(one)} |" for one in cells)
+    return "\n".join(f"| {' | '.join(cell_row)} |" for cell_row in cells)
 
 
 def picture(entries: Sequence[Entry], path: Path) -> None:
@@ -89,8 +89,8 @@ def picture(entries: Sequence[Entry], path: Path) -> None:
     matplotlib.use("svg")
     from matplotlib import pyplot as plt
 
-    shown, places = [entry for entry in latest(entries) if entry.goal is not None], states(entries)
-    lines = -(-len(shown) // COLUMNS)
+    entries_shown, places = [entry for entry in latest(entries) if entry.goal is not None], states(entries)
+    lines = -(-len(entries_shown) // COLUMNS)
     height = 1.7 * lines
     # given margins: to fit them to the texts of a hundred axes takes longer than to draw them
     margins = {"left": 0.06, "right": 0.975, "bottom": 0.25 / height, "top": 1 - 0.25 / height}
@@ -101,23 +101,23 @@ def picture(entries: Sequence[Entry], path: Path) -> None:
         squeeze=False,
         gridspec_kw={**margins, "hspace": 0.35},
     )
-    for axis, entry in zip(axes.flat, shown, strict=False):
-        values = [one for one in entries if one.figure == entry.figure]
-        met = "tab:green" if entry.met else "tab:red"
+    for axis, entry in zip(axes.flat, entries_shown, strict=False):
+        values = [old for old in entries if old.figure == entry.figure]
+        colour = "tab:green" if entry.is_met else "tab:red"
         axis.plot(
-            [places.index(one.state) for one in values], [one.scaled for one in values], "o-", color=met
+            [places.index(x.state) for x in values], [x.machine_scaled for x in values], "o-", color=colour
         )
         axis.axhline(entry.goal, color="grey", linestyle="--", linewidth=1)
         axis.set_title(entry.figure, fontsize=7)
         axis.set_ylabel(entry.unit, fontsize=7)
-        axis.set_ylim(0, 1.1 * max(entry.goal or 0.0, *(one.scaled for one in values)))
+        axis.set_ylim(0, 1.1 * max(entry.goal or 0.0, *(x.machine_scaled for x in values)))
         axis.set_xlim(-0.3, len(places) - 0.7)
         # the table has the others between the first and the last
         axis.set_xticks(
             range(len(places)), [places[0][1], *[""] * (len(places) - 2), places[-1][1]], fontsize=6
         )
         axis.tick_params(axis="y", labelsize=6)
-    for axis in axes.flat[len(shown) :]:
+    for axis in axes.flat[len(entries_shown) :]:
         axis.remove()
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)

@@ -82,18 +82,18 @@ def rows(case: Case, name: str) -> Iterator[tuple[str, ...]]:
 def row(result: SealSolution, n: int, name: str) -> tuple[str, ...]:
     """The cells of a load."""
     load = result.loads[n]
-    conserved, capped, elastic = (
-        math.nan if (read := load.scenario(one)) is None or read.leak is None else read.leak.leak_rate
-        for one in (Reading.CONSERVED, Reading.CAPPED, Reading.ELASTIC)
+    rate_conserved, rate_capped, elastic = (
+        math.nan if (other := load.scenario(reading)) is None or other.leak is None else other.leak.leak_rate
+        for reading in (Reading.CONSERVED, Reading.CAPPED, Reading.ELASTIC)
     )
     assert result.surface is not None and result.surface.hardness is not None
     return (
         f"`{name}`",
         load_values(load, result.loads),
         number(load.peak_pressure / result.surface.hardness, 2),
-        _rate(conserved),
-        _rate(capped),
-        number(capped / conserved, 3) if conserved else "–",
+        _rate(rate_conserved),
+        _rate(rate_capped),
+        number(rate_capped / rate_conserved, 3) if rate_conserved else "–",
         _rate(elastic),
         str(load.validity.level),
         classes_in_words(leakage_classes(result.case, load)),
@@ -109,29 +109,29 @@ def examples() -> list[Path]:
     return sorted((ROOT / "examples").glob("*.toml"))
 
 
-def table(found: list[tuple[str, ...]]) -> str:
+def table(cells: list[tuple[str, ...]]) -> str:
     """Markdown."""
-    lines = [HEAD, ("---",) * len(HEAD), *found]
+    lines = [HEAD, ("---",) * len(HEAD), *cells]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def main(names: list[str]) -> None:
     """Write the page, or print the rows of the examples that are named."""
-    chosen = [path for path in examples() if not names or path.stem in names]
-    found = []
-    for path in chosen:
+    cases = [path for path in examples() if not names or path.stem in names]
+    cells = []
+    for path in cases:
         print(path.name, file=sys.stderr, flush=True)
         case = load_case(path)
         if not case.leak.plasticity or case.roughness is None or case.fluid is None:
             continue
         # results that the table does not show are not calculated
-        found += rows(
+        cells += rows(
             case.replace({"uncertainty": None}) if case.uncertainty is not None else case, path.stem
         )
     if names:
-        print(table(found))
+        print(table(cells))
     else:
-        PAGE.write_text(TEXT + table(found) + "\n" + NOTES, encoding="utf-8")
+        PAGE.write_text(TEXT + table(cells) + "\n" + NOTES, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from direct_elastic_campaign import FILE as CAMPAIGN
 from direct_elastic_campaign import LOW_LOAD_FILE
 from direct_numerical import LOW_LOADS, FloatArray, periodic_spectrum, read_direct
 from direct_yielding import YieldingSet, read_averages, read_campaign, read_von_mises
-from verification_page import Section, markdown
+from verification_page import PageSection, markdown
 
 import leak
 
@@ -76,8 +76,8 @@ def results(folder: Path) -> Iterator[Direct]:
         hurst, rolloff, ratio = map(float, kind)
         yield Direct("elastic", periodic_spectrum(rolloff, rolloff * ratio, hurst), math.inf, p, area, k)
     yield from _low_load_campaign()
-    for one in read_direct(folder):
-        yield Direct("elastic", one.spectrum, math.inf, one.pressure, one.area, one.conductivity)
+    for direct in read_direct(folder):
+        yield Direct("elastic", direct.spectrum, math.inf, direct.pressure, direct.area, direct.conductivity)
     for kind_of in verification_medium.read(CAMPAIGN):
         if kind_of.kind.peklenik == 1.0:
             yield Direct(
@@ -95,11 +95,11 @@ def _low_load_campaign() -> Iterator[Direct]:
     kinds: dict[tuple[float, float, float, float], list[dict[str, float]]] = {}
     with LOW_LOAD_FILE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            one = {name: float(value) for name, value in row.items()}
-            key = (one["rolloff_waves"], one["cutoff_waves"], one["hurst"], one["seed"])
-            kinds.setdefault(key, []).append(one)
+            state = {name: float(value) for name, value in row.items()}
+            key = (state["rolloff_waves"], state["cutoff_waves"], state["hurst"], state["seed"])
+            kinds.setdefault(key, []).append(state)
     for (rolloff, cutoff, hurst, _), rows in kinds.items():
-        p, area, along, across = (
+        p, area, u_along, u_across = (
             np.array([row[name] for row in rows])
             for name in (
                 "p_over_Eh",
@@ -108,23 +108,23 @@ def _low_load_campaign() -> Iterator[Direct]:
                 "periodic_conductivity_across",
             )
         )
-        k = 0.5 * (along + across)
+        k = 0.5 * (u_along + u_across)
         flows = k > 0.0
         spectrum = periodic_spectrum(rolloff, cutoff, hurst)
         # lengths of the file are over the rms height of the spectrum
         yield Direct("elastic", spectrum, math.inf, p[flows], area[flows], k[flows])
 
 
-def _of_hardness(metal: str, one: YieldingSet) -> Iterator[Direct]:
-    for hardness in np.unique(one.hardness):
-        at = (one.hardness == hardness) & ~one.unloading & (one.conductivity > 0.0)
+def _of_hardness(metal: str, campaign: YieldingSet) -> Iterator[Direct]:
+    for hardness in np.unique(campaign.hardness):
+        at = (campaign.hardness == hardness) & ~campaign.unloading & (campaign.conductivity > 0.0)
         yield Direct(
             metal if np.isfinite(hardness) else "elastic",
-            one.spectrum,
+            campaign.spectrum,
             float(hardness),
-            one.pressure[at],
-            one.area[at],
-            one.conductivity[at],
+            campaign.pressure[at],
+            campaign.area[at],
+            campaign.conductivity[at],
         )
 
 
@@ -143,7 +143,7 @@ THEORIES: dict[str, Callable[[Direct], leak.RoughContact]] = {
 
 def ratios(all_results: Sequence[Direct]) -> dict[tuple[str, str], FloatArray]:
     """By metal and theory: p/(E* h'), A/A0 and ln of the theory's over the direct conductivity, one row per state."""
-    found: dict[tuple[str, str], list[FloatArray]] = {}
+    by_theory: dict[tuple[str, str], list[FloatArray]] = {}
     for direct in all_results:
         for name, theory in THEORIES.items():
             if direct.metal == "elastic" and name not in ("paper, elastic", "corrected"):
@@ -151,18 +151,18 @@ def ratios(all_results: Sequence[Direct]) -> dict[tuple[str, str], FloatArray]:
             surface = theory(direct)
             u = np.asarray(surface.effective_separation(direct.pressure)) / direct.spectrum.rms_height
             with np.errstate(divide="ignore"):
-                off = 3.0 * np.log(u) - np.log(direct.conductivity)
-            found.setdefault((direct.metal, name), []).append(
-                np.column_stack([direct.pressure, direct.area, off])
+                log_ratio = 3.0 * np.log(u) - np.log(direct.conductivity)
+            by_theory.setdefault((direct.metal, name), []).append(
+                np.column_stack([direct.pressure, direct.area, log_ratio])
             )
-    return {key: np.concatenate(parts) for key, parts in found.items()}
+    return {key: np.concatenate(parts) for key, parts in by_theory.items()}
 
 
-def _cell(off: FloatArray) -> str:
-    if off.size == 0:
+def _cell(log_ratio: FloatArray) -> str:
+    if log_ratio.size == 0:
         return "-"
-    low, middle, high = np.exp(np.quantile(off, [0.0, 0.5, 1.0], method="nearest"))
-    return f"{_short(middle)} ({_short(low)} to {_short(high)})" if off.size > 1 else _short(middle)
+    low, middle, high = np.exp(np.quantile(log_ratio, [0.0, 0.5, 1.0], method="nearest"))
+    return f"{_short(middle)} ({_short(low)} to {_short(high)})" if log_ratio.size > 1 else _short(middle)
 
 
 def _short(factor: float) -> str:
@@ -171,15 +171,15 @@ def _short(factor: float) -> str:
     return f"{factor:.0f}" if factor >= 100.0 else f"{factor:.2g}" if factor < 0.1 else f"{factor:.3g}"
 
 
-def sections(found: dict[tuple[str, str], FloatArray]) -> Iterator[Section]:
+def sections(ratios_of: dict[tuple[str, str], FloatArray]) -> Iterator[PageSection]:
     """Over the pressure, and over the contact area."""
     for title, column, edges in (("p/(E* h')", 0, PRESSURES), ("A/A0", 1, AREAS)):
         heads = [f"{a:g} to {b:g}" for a, b in pairwise(edges)]
         rows = []
-        for (metal, theory), table in found.items():
-            inside = [(table[:, column] >= a) & (table[:, column] < b) for a, b in pairwise(edges)]
-            rows.append((metal, theory, *(_cell(table[at, 2]) for at in inside)))
-        yield Section(
+        for (metal, theory), table in ratios_of.items():
+            in_bins = [(table[:, column] >= a) & (table[:, column] < b) for a, b in pairwise(edges)]
+            rows.append((metal, theory, *(_cell(table[at, 2]) for at in in_bins)))
+        yield PageSection(
             f"Over {title}",
             "Conductivity of the theory over the direct one: median, and in brackets the smallest and the largest.",
             ("metal", "theory", *heads),
@@ -187,7 +187,7 @@ def sections(found: dict[tuple[str, str], FloatArray]) -> Iterator[Section]:
         )
 
 
-def picture(found: dict[tuple[str, str], FloatArray], path: Path) -> Path:
+def picture(ratios_of: dict[tuple[str, str], FloatArray], path: Path) -> Path:
     """Factors over p/(E* h') and over A/A0, one row of axes per metal."""
     import matplotlib
     from matplotlib.figure import Figure
@@ -200,15 +200,15 @@ def picture(found: dict[tuple[str, str], FloatArray], path: Path) -> Path:
         for row, metal in zip(axes, METALS, strict=True):
             for ax, column, label in zip(row, (0, 1), ("p / (E* h')", "A / A0"), strict=True):
                 for theory, colour in colours.items():
-                    table = found.get((metal, theory))
+                    table = ratios_of.get((metal, theory))
                     if table is not None:
                         ax.plot(table[:, column], np.exp(table[:, 2]), ".", ms=3, color=colour, label=theory)
                 ax.axhline(1.0, color="#000", linewidth=0.8)
                 ax.set(xscale="log", yscale="log", ylim=(3e-3, 30), xlabel=label)
             row[0].set(ylabel="theory over direct conductivity", title=f"Direct: {metal}", xlim=(2e-5, 0.4))
             row[1].set(xlim=(1e-4, 0.5))
-        shown = axes[-1, 0].get_legend_handles_labels()
-        figure.legend(*shown, loc="outside upper center", ncols=4, frameon=False, markerscale=3)
+        handles = axes[-1, 0].get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper center", ncols=4, frameon=False, markerscale=3)
         path.parent.mkdir(exist_ok=True)
         figure.savefig(path, dpi=110)
     return path
@@ -216,12 +216,12 @@ def picture(found: dict[tuple[str, str], FloatArray], path: Path) -> Path:
 
 def main(folder: Path) -> None:
     """Write page and picture."""
-    everything = list(results(folder))
-    found = ratios(everything)
-    picture(found, IMAGE)
-    own = found["von Mises", "corrected"]
-    below = own[own[:, 1] < 0.3, 2]
-    elastic = found["elastic", "corrected"]
+    all_results = list(results(folder))
+    ratios_of = ratios(all_results)
+    picture(ratios_of, IMAGE)
+    corrected = ratios_of["von Mises", "corrected"]
+    thin = corrected[corrected[:, 1] < 0.3, 2]
+    elastic = ratios_of["elastic", "corrected"]
     low = elastic[elastic[:, 0] <= 0.03, 2]
     text = "\n".join(
         [
@@ -230,24 +230,24 @@ def main(folder: Path) -> None:
             "Generated by `docs/verification/truth.py`. Flow conductivity by theory over that of direct simulation: "
             "boundary elements, elastic or capped at the hardness, or a half-space that flows by von Mises' criterion "
             "(`leak.direct`), and Reynolds flow through the gap. Isotropic surfaces, first loading, "
-            f"{sum(one.pressure.size for one in everything)} states. Above one the theory leaks too much.",
+            f"{sum(each.pressure.size for each in all_results)} states. Above one the theory leaks too much.",
             "",
             "![theory over direct conductivity](../images/truth.png)",
             "",
             f'`theory = "corrected"` errs by {_percent(low)} (rms) on elastic surfaces up to p/(E* h\') = 0.03 and by '
-            f"{_percent(below)} on metal that flows while less than 0.3 of the area touches; single surfaces of "
+            f"{_percent(thin)} on metal that flows while less than 0.3 of the area touches; single surfaces of "
             "four to eight waves per side scatter by a part of that. The paper's theory is too open at low load. "
             "Where metal flows its two readings are no bracket: capped is too open at low load as well, and C_pl "
             "leaks far too little.",
             "",
-            *("\n".join([markdown(section), ""]) for section in sections(found)),
+            *("\n".join([markdown(section), ""]) for section in sections(ratios_of)),
         ]
     )
     FILE.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
 
 
-def _percent(off: FloatArray) -> str:
-    return f"{100.0 * (math.exp(float(np.sqrt(np.mean(off**2)))) - 1.0):.0f} %"
+def _percent(log_ratio: FloatArray) -> str:
+    return f"{100.0 * (math.exp(float(np.sqrt(np.mean(log_ratio**2)))) - 1.0):.0f} %"
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ with a factor, which is from twenty other seals. Seals of which a strip does not
 """
 
 
-def drawn() -> Iterator[fem_seal.Case]:
+def draw_seals() -> Iterator[fem_seal.Case]:
     """Seals at random, without end."""
     random = np.random.default_rng(SEED)
 
@@ -87,7 +87,7 @@ def drawn() -> Iterator[fem_seal.Case]:
 
 
 @dataclass(frozen=True)
-class Found:
+class DrawnSeal:
     """One seal: what direct simulation finds over the chain, and the ends that the chain prints over it."""
 
     case: fem_seal.Case
@@ -106,16 +106,16 @@ class Found:
         return self.row.deviation / math.sqrt(len(self.row.leak_rates)) / self.row.chain_held
 
     @property
-    def inside(self) -> bool:
+    def is_inside(self) -> bool:
         """Whether the interval holds it."""
         return self.ends[0] - self.error <= self.direct <= self.ends[1] + self.error
 
 
-def found(samples: int) -> Iterator[Found]:
+def compare_seals(samples: int) -> Iterator[DrawnSeal]:
     """The first seals drawn that are open enough."""
-    kept = 0
-    for case in drawn():
-        if kept == SEALS:
+    count = 0
+    for case in draw_seals():
+        if count == SEALS:
             return
         try:
             (load,) = fem_seal.run(case).loads
@@ -129,21 +129,21 @@ def found(samples: int) -> Iterator[Found]:
         except LeakError as error:
             print(error, flush=True)
             continue
-        kept += 1
+        count += 1
         ends = load.leak_interval
         waves = load.fwhm / load.rough.surface.wavelength_along_flow
-        yield Found(case, row, (ends[0] / load.leak.leak_rate, ends[1] / load.leak.leak_rate), waves)
+        yield DrawnSeal(case, row, (ends[0] / load.leak.leak_rate, ends[1] / load.leak.leak_rate), waves)
 
 
-def line(one: Found) -> str:
+def line(seal: DrawnSeal) -> str:
     """A row of the table."""
-    case, spectrum = one.case, one.case.roughness.spectrum
-    ends, inside = f"{one.ends[0]:.2f} to {one.ends[1]:.2f}", "yes" if one.inside else "**no**"
+    case, spectrum = seal.case, seal.case.roughness.spectrum
+    ends, word = f"{seal.ends[0]:.2f} to {seal.ends[1]:.2f}", "yes" if seal.is_inside else "**no**"
     return (
         f"| {case.closure.shape} on {case.lower.shape} | {case.load.fluid_pressure[0] / 1e5:.3g} "
         f"| {spectrum.rms_height * 1e6:.3g} | {spectrum.hurst:g} | {2e6 * math.pi / spectrum.q_rolloff:.0f} "
-        f"| {one.waves:.2g} | {one.row.asperities} | {one.row.contact_area:.2g} "
-        f"| {one.row.leak_rate * 6e7:.3g} | {one.direct:.2f} | {one.error:.2f} | {ends} | {inside} |"
+        f"| {seal.waves:.2g} | {seal.row.asperities} | {seal.row.contact_area:.2g} "
+        f"| {seal.row.leak_rate * 6e7:.3g} | {seal.direct:.2f} | {seal.error:.2f} | {ends} | {word} |"
     )
 
 
@@ -157,13 +157,13 @@ def main(samples: int) -> None:
     """Simulate and write the page."""
     head = HEAD.format(seals=SEALS, samples=samples, across=2 * POINTS, along=POINTS, area=LARGEST_AREA)
     lines = ["| " + " | ".join(COLUMNS) + " |", "|---" * len(COLUMNS) + "|"]
-    held = 0
-    for one in found(samples):
-        lines.append(line(one))
-        held += one.inside
+    hits = 0
+    for seal in compare_seals(samples):
+        lines.append(line(seal))
+        hits += seal.is_inside
         print(lines[-1], flush=True)
-    told = f"\nThe printed interval holds the direct mean in {held} of {SEALS} seals.\n"
-    FILE.write_text(head + "\n".join(lines) + "\n" + told, encoding="utf-8")
+    summary = f"\nThe printed interval holds the direct mean in {hits} of {SEALS} seals.\n"
+    FILE.write_text(head + "\n".join(lines) + "\n" + summary, encoding="utf-8")
 
 
 if __name__ == "__main__":

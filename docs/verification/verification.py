@@ -18,7 +18,7 @@ import numpy as np
 import verification_medium
 from direct_numerical import LOW_LOADS, compare, low_loads, picture, read_direct, worst_factor
 from scipy.optimize import brentq
-from verification_page import Figure, Section, markdown
+from verification_page import Figure, PageSection, markdown
 from verification_shapes import hydrostatic_section, pairs_section, sizes_section
 from verification_yielding import yielding_section
 
@@ -70,7 +70,7 @@ def deviations(solution: ContactSolution, exact: object) -> list[float]:
     ]
 
 
-def crossover_section() -> Section:
+def crossover_section() -> PageSection:
     """Exponential law against the exact crossover."""
     pressures, rows, figures = [2e5, 2e6, 2e7], [], []
     model, forces = contact_model(EXPONENTIAL, pressures)
@@ -93,7 +93,7 @@ def crossover_section() -> Section:
         for name, error in zip(("p0", "FWHM", "std"), errors, strict=True):
             figures.append(Figure(f"crossover {name} at {pressure / 1e5:g} bar", error, 5e-4))
         figures.append(Figure(f"contact force at {pressure / 1e5:g} bar", solution.force_error, 1e-8))
-    return Section(
+    return PageSection(
         "Contact: exponential law against the exact crossover",
         "Ball R = 20 mm, 45 deg, steel on steel, u0 = 0.76 um, default mesh. The exact crossover is that of a "
         "half-space; the axisymmetric bodies differ from it by up to 3e-4 at 200 bar. Goal: 5e-4, contact "
@@ -104,7 +104,7 @@ def crossover_section() -> Section:
     )
 
 
-def convergence_section() -> Section:
+def convergence_section() -> PageSection:
     """Error over element size."""
     factors = [0.35, 0.5, 0.7, 1.0, 1.4]
 
@@ -120,7 +120,7 @@ def convergence_section() -> Section:
         (f"{1 / factor:.2f}", *(f"{e:.1e}" for e in row)) for factor, row in zip(factors, errors, strict=True)
     ]
     rows.append(("order", *(f"{-slope:.1f}" for slope in slopes)))
-    return Section(
+    return PageSection(
         "Contact: error over element size",
         "The same seal at 200 bar; element sizes relative to the default, errors against a mesh 2.8 times finer. "
         "Quadratic elements: functionals of the solution should converge with the fourth power of the size.",
@@ -137,7 +137,7 @@ def convergence_section() -> Section:
     )
 
 
-def hertz_section() -> Section:
+def hertz_section() -> PageSection:
     """Hard contact against Hertz."""
     pressures, rows, figures = [2e5, 2e6, 2e7], [], []
     for pressure in pressures:
@@ -149,7 +149,7 @@ def hertz_section() -> Section:
             (f"{pressure / 1e5:g} bar", f"{exact.peak_pressure / 1e6:.3f}", *(f"{e:+.1e}" for e in errors))
         )
         figures.append(Figure(f"Hertz p0 at {pressure / 1e5:g} bar", errors[0], 2e-3))
-    return Section(
+    return PageSection(
         "Contact: smooth surfaces against Hertz",
         "Hard unilateral contact on the same bodies. Goal for p0: 2e-3.",
         ("load", "Hertz p0 [MPa]", "p0", "FWHM", "std"),
@@ -158,7 +158,7 @@ def hertz_section() -> Section:
     )
 
 
-def angles_section() -> Section:
+def angles_section() -> PageSection:
     """Other cone angles."""
     rows, figures = [], []
     for degrees in (20, 30, 60, 70):
@@ -171,7 +171,7 @@ def angles_section() -> Section:
         figures += [
             Figure(f"{name} at {degrees} deg", e, 5e-4) for name, e in zip("pws", errors, strict=True)
         ]
-    return Section(
+    return PageSection(
         "Contact: other cone angles",
         "Exponential law, 20 bar. The last column is the shift of the profile's centre, which a half-space does not "
         "have.",
@@ -181,7 +181,7 @@ def angles_section() -> Section:
     )
 
 
-def rough_contact_section(reference: Path) -> Section:
+def rough_contact_section(reference: Path) -> PageSection:
     """Rough-contact theory against independent numbers."""
     data = np.genfromtxt(reference / "rough_contact_paper.csv", delimiter=",", names=True)
     p = data["pressure_Pa"]
@@ -203,12 +203,12 @@ def rough_contact_section(reference: Path) -> Section:
     }
     rows, figures = [], []
     for name, values in columns.items():
-        expected = data[name]
-        there = expected > 0
-        error = float(np.abs(np.asarray(values)[there] / expected[there] - 1).max())
+        published = data[name]
+        is_positive = published > 0
+        error = float(np.abs(np.asarray(values)[is_positive] / published[is_positive] - 1).max())
         rows.append((name, f"{error:.1e}"))
         figures.append(Figure(name, error, 3e-3))
-    return Section(
+    return PageSection(
         "Rough contact: areas, separations and conductivity against independent numbers",
         f"Largest relative difference over {len(p)} pressures from {p[0] / 1e6:.2g} to {p[-1] / 1e6:.4g} MPa, the "
         "paper's surface, against a slow separate implementation with nested quadrature. Goal: 3e-3.",
@@ -231,7 +231,7 @@ def paper_spectrum_of(reference: Path) -> leak.PowerSpectrum:
     )
 
 
-def leak_section(reference: Path) -> Section:
+def leak_section(reference: Path) -> PageSection:
     """Leak integral against independent numbers."""
     rows, figures = [], []
     spectrum = paper_spectrum_of(reference)
@@ -259,7 +259,7 @@ def leak_section(reference: Path) -> Section:
             worst = max(errors, key=abs)
             rows.append((name, shape, f"{worst:+.1e}"))
             figures.append(Figure(f"{name} {shape}", worst, 3e-3))
-    return Section(
+    return PageSection(
         "Leak rate of given profiles against independent numbers",
         "Gaussian and Hertzian profiles of the paper's seal, 1 to 20 bar. Goal: 3e-3.",
         ("quantity", "profile", "largest difference"),
@@ -268,7 +268,7 @@ def leak_section(reference: Path) -> Section:
     )
 
 
-def paper_section() -> Section:
+def paper_section() -> PageSection:
     """The paper's case compared with the paper's text."""
     spectrum = paper_spectrum()
     elastic_modulus = effective_modulus(STEEL, STEEL)
@@ -352,7 +352,7 @@ def paper_section() -> Section:
             "",
         ),
     )
-    return Section(
+    return PageSection(
         "The paper's case compared with its text",
         "Fischer, Schmitz, Tiwari, Persson, *Fluid leakage in metallic seals*: ball R = 20 mm, 45 deg, steel, "
         "hardness 3.5 GPa, rms height 1.9 um. The paper shows the spectrum only as a picture; the self-affine one used "
@@ -363,7 +363,7 @@ def paper_section() -> Section:
     )
 
 
-def sensitivity_section() -> Section:
+def sensitivity_section() -> PageSection:
     """How strongly the plastic reduction depends on the spectrum."""
     rows = []
     x = np.linspace(-6, 6, 241) * 0.139e-3
@@ -378,7 +378,7 @@ def sensitivity_section() -> Section:
             ratios.append(Q[0] / Q[1])
         rolloff = float(spectrum.wavenumber[1])
         rows.append((f"{hurst:g}", f"{rolloff:.4g}", *(f"{ratio:.1f}" for ratio in ratios)))
-    return Section(
+    return PageSection(
         "Influence of the spectrum",
         "Elastic over plastic leak rate with other Hurst exponents, rms height 1.9 um and rms slope 0.4 kept (the "
         "roll-off follows), Gaussian profile s = 0.139 mm. All of these surfaces fit the paper's height and slope; a "
@@ -388,7 +388,7 @@ def sensitivity_section() -> Section:
     )
 
 
-def direct_section(reference: Path) -> Section:
+def direct_section(reference: Path) -> PageSection:
     """The theory against independent results."""
     comparisons = [compare(direct) for direct in read_direct(reference)]
     picture(
@@ -441,7 +441,7 @@ def direct_section(reference: Path) -> Section:
         + ", ".join(f"{far[name]:.2f} ({name})" for name in names)
         + ". These are elastic surfaces; yielding asperities follow in the next section."
     )
-    return Section(
+    return PageSection(
         "Rough contact and flow: the theory against direct numerical results",
         text,
         ("set", "p/(E* h')", "direct A/A0", "A", "mean gap", *names),
@@ -455,7 +455,7 @@ def direct_section(reference: Path) -> Section:
     )
 
 
-def sections(reference: Path) -> Iterator[Section]:
+def sections(reference: Path) -> Iterator[PageSection]:
     """All parts of the page."""
     yield crossover_section()
     yield angles_section()
@@ -481,10 +481,10 @@ def main(reference: Path) -> int:
         "carry a unit. The formulas are in [theory](../theory/index.md); the same checks run as tests."
     )
     FILE.write_text("\n\n".join([head, *map(markdown, parts)]) + "\n", encoding="utf-8")
-    missed = [figure for part in parts for figure in part.figures if not figure.met]
-    for figure in missed:
+    misses = [figure for part in parts for figure in part.figures if not figure.is_met]
+    for figure in misses:
         print(f"missed: {figure.what}: {figure.error:+.2e}, goal {figure.goal:.0e}", file=sys.stderr)
-    return len(missed)
+    return len(misses)
 
 
 if __name__ == "__main__":

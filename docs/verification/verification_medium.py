@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from direct_elastic_campaign import FILE
 from direct_numerical import FloatArray, periodic_spectrum, read_direct, worst_factor
-from verification_page import Figure, Section
+from verification_page import Figure, PageSection
 
 import leak
 from leak.flow.medium import effective_gap
@@ -40,10 +40,10 @@ class Kind(NamedTuple):
     @property
     def spectrum(self) -> leak.PowerSpectrum:
         """Its angular average; box 1, rms slope 1."""
-        stretched = leak.stretched_spectrum(
+        with_lay = leak.stretched_spectrum(
             periodic_spectrum(self.rolloff, self.cutoff, self.hurst), self.peklenik
         )
-        return leak.PowerSpectrum(stretched.wavenumber, stretched.density / stretched.rms_slope**2)
+        return leak.PowerSpectrum(with_lay.wavenumber, with_lay.density / with_lay.rms_slope**2)
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,8 @@ class Direct:
 
 
 def _rows(file: Path) -> Iterator[tuple[Kind, float, tuple[float, float, float]]]:
-    with file.open(encoding="utf-8") as opened:
-        for row in csv.DictReader(opened):
+    with file.open(encoding="utf-8") as handle:
+        for row in csv.DictReader(handle):
             kind = Kind(
                 float(row["peklenik"]),
                 float(row.get("hurst", 0.8)),
@@ -91,22 +91,22 @@ def _rows(file: Path) -> Iterator[tuple[Kind, float, tuple[float, float, float]]
 
 def read(file: Path) -> list[Direct]:
     """All kinds of a file, sorted."""
-    found: dict[Kind, dict[float, list[tuple[float, float, float]]]] = defaultdict(lambda: defaultdict(list))
+    direct: dict[Kind, dict[float, list[tuple[float, float, float]]]] = defaultdict(lambda: defaultdict(list))
     for kind, pressure, numbers in _rows(file):
-        found[kind][pressure].append(numbers)
-    return [_direct(kind, found[kind]) for kind in sorted(found)]
+        direct[kind][pressure].append(numbers)
+    return [_direct(kind, direct[kind]) for kind in sorted(direct)]
 
 
 def _direct(kind: Kind, by_pressure: dict[float, list[tuple[float, float, float]]]) -> Direct:
     pressure = sorted(by_pressure)
     parts = [np.array(by_pressure[p]) for p in pressure]
     with np.errstate(divide="ignore"):
-        along, across, both = (
+        flow_along, flow_across, both = (
             np.exp([np.log(column(part)).mean() for part in parts])
             for column in (lambda t: t[:, 1], lambda t: t[:, 2], lambda t: 0.5 * (t[:, 1] + t[:, 2]))
         )
     area = np.array([part[:, 0].mean() for part in parts])
-    return Direct(kind, len(parts[0]), np.array(pressure), area, along, across, both)
+    return Direct(kind, len(parts[0]), np.array(pressure), area, flow_along, flow_across, both)
 
 
 # -------------------------------------------------------------------- near the threshold
@@ -141,7 +141,7 @@ METHODS = ("bruggeman", "threshold-law")
 
 def thresholds(reference: Path) -> list[Threshold]:
     """All isotropic direct results; the closed law was fitted to sets A512, A and B alone."""
-    found = []
+    sets_of_rows = []
     for file, note in ((FILE, ""), (reference / STRETCHED, "*")):
         for direct in read(file):
             kind = direct.kind
@@ -149,20 +149,20 @@ def thresholds(reference: Path) -> list[Threshold]:
                 role = "judges" if direct.surfaces > 1 else "one surface"
                 name = f"H {kind.hurst:g}, {kind.rolloff} to {kind.cutoff}{note} ({direct.surfaces})"
                 area, flow = direct.area, direct.mean
-                found.append(_threshold(name, role, kind.spectrum, direct.pressure, area, area, flow))
-    for shared in read_direct(reference):
-        found.append(
+                sets_of_rows.append(_threshold(name, role, kind.spectrum, direct.pressure, area, area, flow))
+    for campaign in read_direct(reference):
+        sets_of_rows.append(
             _threshold(
-                f"set {shared.name} ({shared.surfaces})",
+                f"set {campaign.name} ({campaign.surfaces})",
                 "fitted",
-                shared.spectrum,
-                shared.pressure,
-                shared.area,
-                shared.area_corrected,
-                shared.conductivity,
+                campaign.spectrum,
+                campaign.pressure,
+                campaign.area,
+                campaign.area_corrected,
+                campaign.conductivity,
             )
         )
-    return found
+    return sets_of_rows
 
 
 def _threshold(
@@ -185,9 +185,9 @@ def _threshold(
     )
 
 
-def joined(sets: Iterable[Threshold], method: str, low: float, high: float) -> FloatArray:
+def join_ratios(sets: Iterable[Threshold], method: str, low: float, high: float) -> FloatArray:
     """Ratios of all sets at direct A/A0 between two values; contacts that direct flow found blocked are left out."""
-    parts = [one.ratios[method][(one.area >= low) & (one.area < high)] for one in sets]
+    parts = [each.ratios[method][(each.area >= low) & (each.area < high)] for each in sets]
     ratios = np.concatenate(parts) if parts else np.empty(0)
     return ratios[np.isfinite(ratios)]
 
@@ -197,24 +197,24 @@ def spread(ratios: FloatArray) -> float:
     return float(np.exp(np.sqrt(np.mean(np.log(ratios) ** 2)))) if ratios.size else 1.0
 
 
-def threshold_section(reference: Path) -> Section:
+def threshold_section(reference: Path) -> PageSection:
     """Effective medium and closed law where few channels are left."""
     sets = thresholds(reference)
-    judged = [one for one in sets if one.role == "judges"]
+    judges = [threshold for threshold in sets if threshold.role == "judges"]
     rows = [
         (
-            one.name,
-            one.role,
-            f"{np.exp(np.log(one.corrected).mean()):.2f}",
+            threshold.name,
+            threshold.role,
+            f"{np.exp(np.log(threshold.corrected).mean()):.2f}",
             *(
-                " to ".join(f"{end:.2f}" for end in _ends(joined([one], method, *bin)))
+                " to ".join(f"{end:.2f}" for end in _ends(join_ratios([threshold], method, *bin)))
                 for bin in BINS
                 for method in METHODS
             ),
         )
-        for one in sets
+        for threshold in sets
     ]
-    table = {(method, bin): joined(judged, method, *bin) for method in METHODS for bin in BINS}
+    table = {(method, bin): join_ratios(judges, method, *bin) for method in METHODS for bin in BINS}
     words = "; ".join(
         f"{low:g} to {high:g}: "
         + ", ".join(
@@ -223,7 +223,7 @@ def threshold_section(reference: Path) -> Section:
         )
         for low, high in BINS[1:]
     )
-    return Section(
+    return PageSection(
         "Near the percolation threshold: effective medium and closed law",
         TEXT_THRESHOLD.format(words=words),
         (
@@ -291,7 +291,7 @@ class Lay:
     """
 
     direct: Direct
-    fitted: bool
+    is_fitted: bool
     theory_area: FloatArray
     along: FloatArray
     across: FloatArray
@@ -302,56 +302,58 @@ class Lay:
 @lru_cache(maxsize=1)
 def lays(reference: Path) -> tuple[Lay, ...]:
     """All stretched direct results; the constant was fitted to every second spectrum."""
-    found = [*read(FILE), *read(reference / STRETCHED)]
-    stretched = sorted((one for one in found if one.kind.peklenik != 1.0), key=lambda one: one.kind)
-    return tuple(_lay(direct, n % 2 == 0) for n, direct in enumerate(stretched))
+    direct_results = [*read(FILE), *read(reference / STRETCHED)]
+    with_lay = sorted(
+        (each for each in direct_results if each.kind.peklenik != 1.0), key=lambda each: each.kind
+    )
+    return tuple(_lay(direct, n % 2 == 0) for n, direct in enumerate(with_lay))
 
 
-def _lay(direct: Direct, fitted: bool) -> Lay:
+def _lay(direct: Direct, is_fitted: bool) -> Lay:
     spectrum, p = direct.kind.spectrum, direct.pressure
     numbers, directs = (direct.kind.peklenik, 1.0 / direct.kind.peklenik), (direct.along, direct.across)
     used, plain = [], []
     isotropic = leak.RoughContact(spectrum, effective_modulus=1.0)
-    lost = isotropic.lost_area(p)
-    for number, measured in zip(numbers, directs, strict=True):
+    area_lost = isotropic.lost_area(p)
+    for number, flow in zip(numbers, directs, strict=True):
         contact = leak.RoughContact(spectrum, effective_modulus=1.0, peklenik=number)
         u = np.asarray(contact.effective_separation(p))
-        used.append((u / spectrum.rms_height) ** 3 / measured)
-        u = effective_gap(lost, spectrum.rms_height, leak.dimension_number(0.42), number)
-        plain.append((u / spectrum.rms_height) ** 3 / measured)
-    return Lay(direct, fitted, np.asarray(isotropic.contact_area(p)), *used, *plain)
+        used.append((u / spectrum.rms_height) ** 3 / flow)
+        u = effective_gap(area_lost, spectrum.rms_height, leak.dimension_number(0.42), number)
+        plain.append((u / spectrum.rms_height) ** 3 / flow)
+    return Lay(direct, is_fitted, np.asarray(isotropic.contact_area(p)), *used, *plain)
 
 
-def lay_section(reference: Path) -> Section:
+def lay_section(reference: Path) -> PageSection:
     """Stretched surfaces, along and across."""
     all_of_them = lays(reference)
     rows = [
         (
-            f"{one.direct.kind.peklenik:g}",
-            f"{one.direct.kind.hurst:g}",
-            f"{one.direct.kind.rolloff} to {one.direct.kind.cutoff}",
-            "fitted" if one.fitted else "judges",
-            f"{one.direct.pressure[n]:g}",
-            f"{one.direct.area[n]:.3f}",
-            *(f"{values[n]:.2f}" for values in (one.along, one.across, one.plain_along, one.plain_across)),
+            f"{lay.direct.kind.peklenik:g}",
+            f"{lay.direct.kind.hurst:g}",
+            f"{lay.direct.kind.rolloff} to {lay.direct.kind.cutoff}",
+            "fitted" if lay.is_fitted else "judges",
+            f"{lay.direct.pressure[n]:g}",
+            f"{lay.direct.area[n]:.3f}",
+            *(f"{values[n]:.2f}" for values in (lay.along, lay.across, lay.plain_along, lay.plain_across)),
         )
-        for one in all_of_them
-        for n in range(one.direct.pressure.size)
+        for lay in all_of_them
+        for n in range(lay.direct.pressure.size)
     ]
-    judged = [one for one in all_of_them if not one.fitted]
+    judges = [lay for lay in all_of_them if not lay.is_fitted]
     factors = {
-        name: worst_factor(_known(judged, name))
+        name: worst_factor(_short_lays(judges, name))
         for name in ("along", "across", "plain_along", "plain_across")
     }
-    spreads = {name: spread(_known(judged, name)) for name in factors}
+    spreads = {name: spread(_short_lays(judges, name)) for name in factors}
     text = TEXT_LAY.format(
         **factors,
         **{f"{name}_spread": value for name, value in spreads.items()},
-        ten_along=worst_factor(_beyond(all_of_them, "along")),
-        ten_across=worst_factor(_beyond(all_of_them, "across")),
-        ten_plain=worst_factor(_beyond(all_of_them, "plain_across")),
+        ten_along=worst_factor(_long_lays(all_of_them, "along")),
+        ten_across=worst_factor(_long_lays(all_of_them, "across")),
+        ten_plain=worst_factor(_long_lays(all_of_them, "plain_across")),
     )
-    return Section(
+    return PageSection(
         "Roughness with a lay: along and across",
         text,
         (
@@ -374,12 +376,12 @@ def lay_section(reference: Path) -> Section:
     )
 
 
-def _known(sets: Sequence[Lay], name: str) -> FloatArray:
-    return np.concatenate([getattr(one, name) for one in sets if one.direct.kind.peklenik <= 5.0])
+def _short_lays(sets: Sequence[Lay], name: str) -> FloatArray:
+    return np.concatenate([getattr(lay, name) for lay in sets if lay.direct.kind.peklenik <= 5.0])
 
 
-def _beyond(sets: Sequence[Lay], name: str) -> FloatArray:
-    return np.concatenate([getattr(one, name) for one in sets if one.direct.kind.peklenik > 5.0])
+def _long_lays(sets: Sequence[Lay], name: str) -> FloatArray:
+    return np.concatenate([getattr(lay, name) for lay in sets if lay.direct.kind.peklenik > 5.0])
 
 
 TEXT_LAY = (
@@ -395,7 +397,7 @@ TEXT_LAY = (
 )
 
 
-def sections(reference: Path) -> Iterator[Section]:
+def sections(reference: Path) -> Iterator[PageSection]:
     """Both parts."""
     yield threshold_section(reference)
     yield lay_section(reference)

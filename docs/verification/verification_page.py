@@ -14,13 +14,13 @@ class Figure:
     goal: float
 
     @property
-    def met(self) -> bool:
+    def is_met(self) -> bool:
         """Whether the goal is met."""
         return abs(self.error) <= self.goal
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """One part of the page: words, a table, and the figures in it that have a goal."""
 
     title: str
@@ -30,7 +30,7 @@ class Section:
     figures: tuple[Figure, ...] = ()
 
 
-def markdown(section: Section) -> str:
+def markdown(section: PageSection) -> str:
     """One section as Markdown."""
     lines = [
         f"## {section.title}",
@@ -41,8 +41,8 @@ def markdown(section: Section) -> str:
         "|" + "---|" * len(section.head),
     ]
     lines += ["| " + " | ".join(row) + " |" for row in section.rows]
-    missed = [figure for figure in section.figures if not figure.met]
+    misses = [figure for figure in section.figures if not figure.is_met]
     if section.figures:
-        verdict = "All goals met." if not missed else f"**Missed: {', '.join(f.what for f in missed)}.**"
+        verdict = "All goals met." if not misses else f"**Missed: {', '.join(f.what for f in misses)}.**"
         lines += ["", verdict]
     return "\n".join(lines)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from verification_page import Figure, Section
+from verification_page import Figure, PageSection
 
 import leak
 from fem_seal.contact.laws import HardContact, Law
@@ -54,8 +54,8 @@ def _row(pair: _Pair) -> tuple[tuple[str, ...], list[Figure]]:
     # a decay length at which roughness and elasticity have the same influence
     u0 = hertz.half_width**2 / (4 * R)
     exact = leak.crossover_line(f, R, modulus, u0)
-    smooth = _pressed(pair, contact, HardContact(), f).profile
-    rough = _pressed(pair, contact, leak.ExponentialLaw(p_c=1e9, u0=u0), f)
+    smooth = _solve_contact(pair, contact, HardContact(), f).profile
+    rough = _solve_contact(pair, contact, leak.ExponentialLaw(p_c=1e9, u0=u0), f)
     errors = {
         "smooth p0": smooth.peak_pressure / hertz.peak_pressure - 1,
         "p0": rough.profile.peak_pressure / exact.peak_pressure - 1,
@@ -77,7 +77,7 @@ def _row(pair: _Pair) -> tuple[tuple[str, ...], list[Figure]]:
     return row, figures
 
 
-def _pressed(pair: _Pair, contact: ContactGeometry, law: Law, line_load: float) -> ContactSolution:
+def _solve_contact(pair: _Pair, contact: ContactGeometry, law: Law, line_load: float) -> ContactSolution:
     force = line_load * 2 * math.pi * contact.initial_contact_radius * math.cos(contact.angle)
     materials = dict(zip(("closure", "seat"), pair.materials, strict=True))
 
@@ -94,12 +94,12 @@ def _pressed(pair: _Pair, contact: ContactGeometry, law: Law, line_load: float) 
 _HEAD = ("pair", "r0 [mm]", "angle", "R_rel [mm]", "Hertz p0", "p0", "FWHM", "std", "force")
 
 
-def _section(title: str, text: str, pairs: list[_Pair]) -> Section:
+def _section(title: str, text: str, pairs: list[_Pair]) -> PageSection:
     rows, figures = zip(*(_row(pair) for pair in pairs), strict=True)
-    return Section(title, text, _HEAD, rows, tuple(figure for part in figures for figure in part))
+    return PageSection(title, text, _HEAD, rows, tuple(figure for part in figures for figure in part))
 
 
-def sizes_section() -> Section:
+def sizes_section() -> PageSection:
     """Ball on cone of every size, angle and pair of materials."""
     pairs = [
         _Pair(
@@ -120,7 +120,7 @@ def sizes_section() -> Section:
     )
 
 
-def pairs_section() -> Section:
+def pairs_section() -> PageSection:
     """Other shapes."""
     ball, rim, tip = Ball(20 * _MM), ToroidalEdge.of(15 * _MM, 3 * _MM), SphericalTip.of(30 * _MM, 20 * _MM)
     pairs = [
@@ -155,7 +155,7 @@ def pairs_section() -> Section:
     )
 
 
-def hydrostatic_section() -> Section:
+def hydrostatic_section() -> PageSection:
     """Fluid on all surfaces and in the gap: it strains both bodies evenly, without a lifting force."""
     ball = Ball(20 * _MM)
     contact = ContactGeometry.of(ball.outline, ConicalSeat.around(45 * _DEG, ball).outline)
@@ -171,15 +171,15 @@ def hydrostatic_section() -> Section:
         loads = BodyLoads.of_fluid((0.0, pressure), share, 0.0)
         radius = math.sqrt(-loads.lift(model) / (math.pi * pressure))
         # The place of a step in the pressure is known to the distance of two points of the line.
-        near = np.abs(model.line.radius - contact.radius(np.array(x))).min()
+        smallest = np.abs(model.line.radius - contact.radius(np.array(x))).min()
         error = radius / float(contact.radius(np.array(x))) - 1
         rows.append((f"fluid outside x = {x * 1e3:+.1f} mm", f"{radius / _MM:.4f}", f"{error:+.1e}"))
         figures.append(
-            Figure(f"effective radius at x = {x * 1e3:+.1f} mm", error, float(near / radius) + 2e-4)
+            Figure(f"effective radius at x = {x * 1e3:+.1f} mm", error, float(smallest / radius) + 2e-4)
         )
     rows.append(("fluid all around", "lifts nothing", f"{lift:+.0e} of the fluid's force"))
     figures.append(Figure("lift of fluid all around", lift, 1e-9))
-    return Section(
+    return PageSection(
         "Fluid on the bodies: force and effective radius",
         "The axial force of a fluid outside a circle on the contact line is pi r^2 p, whatever the "
         "shape of the closure (divergence theorem); fluid all around gives no lift. Ball of 20 mm, 45 deg.",

@@ -1,4 +1,4 @@
-"""Section of the verification page: yielding asperities, every reading compared with direct simulation."""
+"""PageSection of the verification page: yielding asperities, every reading compared with direct simulation."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from direct_yielding import (
     read_averages,
     read_campaign,
 )
-from verification_page import Figure, Section
+from verification_page import Figure, PageSection
 
 from leak.theory.plasticity import CAPPED
 
@@ -33,11 +33,11 @@ _BACK, _FAR_BACK = "unloading from A/A0 < 0.3", "from 0.3 to 0.42"
 _BRANCHES = (_FEW, _MORE, _BACK, _FAR_BACK)
 
 
-def _branches(one: YieldingSet, chosen: BoolArray) -> dict[str, BoolArray]:
-    loading, back, largest = chosen & ~one.unloading, chosen & one.unloading, at_largest(one, one.area)
+def _branches(test: YieldingSet, part: BoolArray) -> dict[str, BoolArray]:
+    loading, back, largest = part & ~test.unloading, part & test.unloading, at_largest(test, test.area)
     return {
-        _FEW: loading & (one.area < 0.2),
-        _MORE: loading & (one.area >= 0.2) & (one.area < 0.42),
+        _FEW: loading & (test.area < 0.2),
+        _MORE: loading & (test.area >= 0.2) & (test.area < 0.42),
         _BACK: back & (largest < 0.3),
         _FAR_BACK: back & (largest >= 0.3),
     }
@@ -45,22 +45,22 @@ def _branches(one: YieldingSet, chosen: BoolArray) -> dict[str, BoolArray]:
 
 def _ratios(sets: Sequence[YieldingSet]) -> dict[tuple[str, str, str], FloatArray]:
     """Theory over direct result by quantity, reading and branch."""
-    found: dict[tuple[str, str, str], list[FloatArray]] = {}
+    ratios_by_set: dict[tuple[str, str, str], list[FloatArray]] = {}
 
-    def sort(one: YieldingSet, chosen: BoolArray, quantity: str, name: str, ratio: FloatArray) -> None:
-        for branch, states in _branches(one, chosen).items():
-            found.setdefault((quantity, name, branch), []).append(ratio[states & np.isfinite(ratio)])
+    def sort(campaign: YieldingSet, part: BoolArray, quantity: str, name: str, ratio: FloatArray) -> None:
+        for branch, states in _branches(campaign, part).items():
+            ratios_by_set.setdefault((quantity, name, branch), []).append(ratio[states & np.isfinite(ratio)])
 
-    for one in sets:
-        sort(one, one.yields, "contact area", "Persson, elastic and yielded", areas(one))
+    for campaign in sets:
+        sort(campaign, campaign.yields, "contact area", "Persson, elastic and yielded", areas(campaign))
         for name, reading in READINGS.items():
-            gap, flow = reading(one)
-            sort(one, one.yields, "mean gap", name, gap / one.gap)
-            sort(one, one.yields, "conductivity", name, flow / one.conductivity)
-        gap, flow = elastic(one)
-        sort(one, ~one.yields, "mean gap", _NOTHING, gap / one.gap)
-        sort(one, ~one.yields, "conductivity", _NOTHING, flow / one.conductivity)
-    return {key: np.concatenate(parts) for key, parts in found.items()}
+            gap, flow = reading(campaign)
+            sort(campaign, campaign.yields, "mean gap", name, gap / campaign.gap)
+            sort(campaign, campaign.yields, "conductivity", name, flow / campaign.conductivity)
+        gap, flow = elastic(campaign)
+        sort(campaign, ~campaign.yields, "mean gap", _NOTHING, gap / campaign.gap)
+        sort(campaign, ~campaign.yields, "conductivity", _NOTHING, flow / campaign.conductivity)
+    return {key: np.concatenate(parts) for key, parts in ratios_by_set.items()}
 
 
 def _span(ratio: FloatArray) -> str:
@@ -79,7 +79,7 @@ def _short(ratio: float) -> str:
     )
 
 
-def yielding_section(reference: Path, image: Path) -> Section:
+def yielding_section(reference: Path, image: Path) -> PageSection:
     """Theory over direct results where the pressure is capped at the hardness."""
     averages, campaign = read_averages(reference), read_campaign()
     picture(averages, image)
@@ -94,8 +94,8 @@ def yielding_section(reference: Path, image: Path) -> Section:
         for quantity, reading in dict.fromkeys((q, r) for q, r, _ in of_averages)
         for source, ratios in (("averages", of_averages), ("campaign", of_campaign))
     ]
-    _, unseen = halves(campaign)
-    loaded, unloaded = (misfit(unseen, CAPPED, unloading=back) for back in (False, True))
+    _, test_half = halves(campaign)
+    up, down = (misfit(test_half, CAPPED, unloading=back) for back in (False, True))
 
     def worst(quantity: str, branch: str) -> float:
         return worst_factor(of_averages[quantity, _CAPPED, branch])
@@ -115,9 +115,9 @@ def yielding_section(reference: Path, image: Path) -> Section:
         "![conductivity with yielding asperities](../images/direct_yielding.svg)\n\n"
         "Marks: averages P5; lines: capped; dashed: volume conserved.\n\n"
         "The equivalent pressure of the capped reading alone, on surfaces it was not fitted to and against the same "
-        f"surface's elastic results: within a factor {worst_factor(np.exp(loaded)):.2f} on first loading "
-        f"(rms {100 * np.sqrt(np.mean(loaded**2)):.0f} %), {worst_factor(np.exp(unloaded)):.2f} on unloading down to a "
-        f"hundredth of the largest pressure (rms {100 * np.sqrt(np.mean(unloaded**2)):.0f} %).\n\n"
+        f"surface's elastic results: within a factor {worst_factor(np.exp(up)):.2f} on first loading "
+        f"(rms {100 * np.sqrt(np.mean(up**2)):.0f} %), {worst_factor(np.exp(down)):.2f} on unloading down to a "
+        f"hundredth of the largest pressure (rms {100 * np.sqrt(np.mean(down**2)):.0f} %).\n\n"
         "Conclusions: where the pressure is capped, the capped reading is no worse than the elastic theory is for "
         f"elastic surfaces: within a factor {flows[0]:.1f} while less than a fifth of the area touches, "
         f"{flows[2]:.1f} after a larger load; metal that flows by von Mises' criterion lies near it "
@@ -132,7 +132,7 @@ def yielding_section(reference: Path, image: Path) -> Section:
         "than some 40 % of the area touches, a single junction decides, and both readings are uncertain by a factor of "
         "a few."
     )
-    return Section(
+    return PageSection(
         "Rough contact and flow with yielding asperities: the readings against direct simulation",
         text,
         ("quantity", "reading", "direct", *_BRANCHES),
@@ -140,11 +140,11 @@ def yielding_section(reference: Path, image: Path) -> Section:
         (
             Figure(
                 "equivalent pressure, first loading, surfaces not fitted",
-                worst_factor(np.exp(loaded)) - 1,
+                worst_factor(np.exp(up)) - 1,
                 0.25,
             ),
             Figure(
-                "equivalent pressure, unloading, surfaces not fitted", worst_factor(np.exp(unloaded)) - 1, 0.6
+                "equivalent pressure, unloading, surfaces not fitted", worst_factor(np.exp(down)) - 1, 0.6
             ),
             Figure("mean gap, capped, first loading", worst("mean gap", _FEW) - 1, 0.16),
             Figure("mean gap, capped, unloading", worst("mean gap", _BACK) - 1, 0.16),

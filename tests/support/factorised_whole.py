@@ -19,7 +19,7 @@ _SYMMETRIC = {"SymmetricMode": True}
 def _elimination_order(matrix: csc_matrix, places: NDArray[np.intp]) -> NDArray[np.intp]:
     """Order that eliminates a symmetric matrix with little fill, some places last; the pattern alone matters."""
     # SuperLU tells its fill-reducing order only after a factorisation; one that drops nearly everything is cheap.
-    ordered = spilu(
+    factors = spilu(
         matrix,
         drop_tol=1e9,
         fill_factor=1.0,
@@ -27,10 +27,10 @@ def _elimination_order(matrix: csc_matrix, places: NDArray[np.intp]) -> NDArray[
         diag_pivot_thresh=0.0,
         options=_SYMMETRIC,
     )
-    order = np.argsort(ordered.perm_c)
-    last = np.zeros(len(order), dtype=bool)
-    last[places] = True
-    return np.concatenate([order[~last[order]], places])
+    order = np.argsort(factors.perm_c)
+    is_last = np.zeros(len(order), dtype=bool)
+    is_last[places] = True
+    return np.concatenate([order[~is_last[order]], places])
 
 
 def restricted_inverse(
@@ -68,8 +68,8 @@ def restricted_inverse(
         diag_pivot_thresh=0.0,
         options=_SYMMETRIC,
     )
-    split = len(order) - len(places)
-    last_rows = factor.U[split:, split:].toarray()
+    count = len(order) - len(places)
+    last_rows = factor.U[count:, count:].toarray()
     pivots = np.diagonal(last_rows)
     # without a pivot off the diagonal, which a positive definite matrix never needs
     if not (np.array_equal(factor.perm_r, np.arange(len(order))) and np.all(pivots > 0)):
@@ -92,8 +92,8 @@ def contact_compliance(
     """What `DissectedBody` gives, of a body with this stiffness of its free dofs [N/m]."""
     place = held.free_rows[held.contact_dofs].ravel()
     movable = np.flatnonzero(place >= 0)
-    loaded, solve = restricted_inverse(stiffness, place[movable])
+    dofs, solve = restricted_inverse(stiffness, place[movable])
     inverse = np.zeros((place.size, place.size))
-    inverse[np.ix_(movable, movable)] = loaded
-    along = held.normal.ravel()[:, None] * inverse * held.normal.ravel()
-    return along.reshape(*held.normal.shape, *held.normal.shape).sum(axis=(0, 2)), solve
+    inverse[np.ix_(movable, movable)] = dofs
+    normal_compliance = held.normal.ravel()[:, None] * inverse * held.normal.ravel()
+    return normal_compliance.reshape(*held.normal.shape, *held.normal.shape).sum(axis=(0, 2)), solve

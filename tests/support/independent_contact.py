@@ -41,8 +41,8 @@ def _of_elements() -> tuple[FloatArray, FloatArray, FloatArray]:
     """The nine functions at the sixteen points, and their slopes along both sides of [-1, 1]^2; shape (16, 9)."""
     N, slope = shapes(GAUSS)
     pairs = ((N, N), (slope, N), (N, slope))
-    one, two, three = (np.einsum("as,bt->stab", f, g).reshape(GAUSS.size**2, 9) for f, g in pairs)
-    return one, two, three
+    area_shapes, two, three = (np.einsum("as,bt->stab", f, g).reshape(GAUSS.size**2, 9) for f, g in pairs)
+    return area_shapes, two, three
 
 
 SHAPES = _of_elements()
@@ -86,10 +86,10 @@ class Body:
         angle = np.repeat(self.angular[i] + half_angle * (1 + GAUSS), GAUSS.size)[:, None]
         rho = np.tile(self.radial[j] + half_radius * (1 + GAUSS), GAUSS.size)[:, None]
         r = self.sector.centre[0] + rho * np.sin(angle)
-        N, along, out = SHAPES[0], SHAPES[1] / (half_angle * rho), SHAPES[2] / half_radius
+        N, d_along, d_outwards = SHAPES[0], SHAPES[1] / (half_angle * rho), SHAPES[2] / half_radius
         # Unit vectors outwards (sin, -cos) and along the angle (cos, sin).
-        dr = out * np.sin(angle) + along * np.cos(angle)
-        dz = -out * np.cos(angle) + along * np.sin(angle)
+        dr = d_outwards * np.sin(angle) + d_along * np.cos(angle)
+        dz = -d_outwards * np.cos(angle) + d_along * np.sin(angle)
         B = np.zeros((len(N), 4, 18))
         B[:, 0, 0::2], B[:, 1, 1::2], B[:, 2, 0::2] = dr, dz, N / r
         B[:, 3, 0::2], B[:, 3, 1::2] = dz, dr
@@ -145,9 +145,9 @@ def press(
     # The product's gap: along the seat's normal to the ball, whose centre lies (R_s - R)(sin, cos)(touch) off.
     phi, weight, ur, uz = shell.surface(0)
     radius = seat.centre[0] + seat.radii[0] * np.sin(phi)
-    apart = seat.radii[0] - outer
+    gap = seat.radii[0] - outer
     turn = phi - touch
-    gap0 = seat.radii[0] - apart * np.cos(turn) - np.sqrt(outer**2 - (apart * np.sin(turn)) ** 2)
+    gap0 = seat.radii[0] - gap * np.cos(turn) - np.sqrt(outer**2 - (gap * np.sin(turn)) ** 2)
     on_ball = touch + np.arcsin(np.clip((seat.radii[0] - gap0) * np.sin(turn) / outer, -1, 1))
     vr, vz = on_arc(ball, on_ball)
     # Towards the closure: inwards and up.
@@ -156,23 +156,23 @@ def press(
     area = 2 * math.pi * radius * seat.radii[0] * weight
 
     top, top_weight, tr, tz = ball.surface(ball.columns - 1)
-    loaded = np.where(top > 2 * math.pi / 3, 2 * math.pi * outer * np.sin(top) * outer * top_weight, 0.0)
+    weights = np.where(top > 2 * math.pi / 3, 2 * math.pi * outer * np.sin(top) * outer * top_weight, 0.0)
     # An even pressure pushes against the outward normal (sin, -cos).
-    push = tr.T @ (-np.sin(top) * loaded) + tz.T @ (np.cos(top) * loaded)
-    push *= -force / float(np.abs((np.cos(top) * loaded).sum())) * np.sign((np.cos(top) * loaded).sum())
+    push = tr.T @ (-np.sin(top) * weights) + tz.T @ (np.cos(top) * weights)
+    push *= -force / float(np.abs((np.cos(top) * weights).sum())) * np.sign((np.cos(top) * weights).sum())
 
     K = bmat([[ball.K, None], [None, shell.K]]).tocsr()
     load = np.concatenate([push, np.zeros(shell.K.shape[0])])
     axis = [2 * ball.node(i, j) for i in (0, ball.rows - 1) for j in range(ball.columns)]
-    outside = [ball.K.shape[0] + 2 * shell.node(i, shell.columns - 1) + 1 for i in range(shell.rows)]
-    free = np.setdiff1d(np.arange(K.shape[0]), [*axis, *outside])
+    rim = [ball.K.shape[0] + 2 * shell.node(i, shell.columns - 1) + 1 for i in range(shell.rows)]
+    free = np.setdiff1d(np.arange(K.shape[0]), [*axis, *rim])
     K, G, load = K[free][:, free], opening[:, free], load[free]
 
     # Rigid ball first: down until the law carries the load.
     u = np.zeros(len(free))
     axial = np.concatenate([np.tile([0.0, 1.0], ball.K.shape[0] // 2), np.zeros(shell.K.shape[0])])[free]
-    down = u0 * math.log(float((area * p_c * np.exp(-gap0 / u0) * n_z).sum()) / force)
-    u += axial * down
+    way = u0 * math.log(float((area * p_c * np.exp(-gap0 / u0) * n_z).sum()) / force)
+    u += axial * way
 
     def energy(u: FloatArray) -> float:
         with np.errstate(over="ignore"):
@@ -185,10 +185,10 @@ def press(
         residual = K @ u - load - G.T @ (area * p)
         stiffness = (K + G.T @ scaled(area * p / u0, G)).tocsc()
         du = splu(stiffness, permc_spec="MMD_AT_PLUS_A").solve(-residual)
-        slope, before, length = float(residual @ du), energy(u), 1.0
-        if -slope < 1e-12 * abs(before):
+        slope, old_energy, length = float(residual @ du), energy(u), 1.0
+        if -slope < 1e-12 * abs(old_energy):
             break
-        while energy(u + length * du) > before + 1e-4 * length * slope:
+        while energy(u + length * du) > old_energy + 1e-4 * length * slope:
             length *= 0.5
         u += length * du
     return seat.radii[0] * turn, p_c * np.exp(-(gap0 + G @ u) / u0)

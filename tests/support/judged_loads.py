@@ -71,8 +71,8 @@ def load(
         ),
         stays_below=lambda name, stress: False,
     )
-    found: Any = CaseLoad.of(LoadResult(fluid_pressure, applied_force, contact))  # type: ignore[arg-type]
-    return found.with_values(
+    case_load: Any = CaseLoad.of(LoadResult(fluid_pressure, applied_force, contact))  # type: ignore[arg-type]
+    return case_load.with_values(
         critical_separation=critical_separation, leak=LeakResult(leak_rate, 1.0, np.zeros(3))
     )
 
@@ -85,7 +85,7 @@ def judged(
     relative_radius: float = 0.02,
 ) -> list[Finding]:
     """The cautions of one kind about these loads of a case, a ball on a cone unless given."""
-    for one in loads:
-        one.contact.model.relative_radius = relative_radius
-    found = load_cautions(replace(SealProblem.of(of or case()), surface=surface), loads)
-    return [caution for caution in found if caution.kind == kind]
+    for load_ in loads:
+        load_.contact.model.relative_radius = relative_radius
+    findings = load_cautions(replace(SealProblem.of(of or case()), surface=surface), loads)
+    return [caution for caution in findings if caution.kind == kind]

@@ -45,20 +45,20 @@ class MadeOnce:
         make = getattr(_module(module), function)
 
         @wraps(make)
-        def made_once(*asked: Any) -> Any:
+        def made_once(*arguments: Any) -> Any:
             if not self.keeps:
-                return make(*asked)
-            kept, key = self._kept.setdefault(name, OrderedDict()), key_of(*asked)
+                return make(*arguments)
+            store, key = self._kept.setdefault(name, OrderedDict()), key_of(*arguments)
             # asked from several threads
-            found = kept.get(key)
-            if found is not None:
-                return found[1]
-            made = make(*asked)
+            value = store.get(key)
+            if value is not None:
+                return value[1]
+            value = make(*arguments)
             # with what was asked for, so that nothing else gets its id
-            kept[key] = asked, made
-            while len(kept) > MOST:
-                kept.popitem(last=False)
-            return made
+            store[key] = arguments, value
+            while len(store) > MOST:
+                store.popitem(last=False)
+            return value
 
         patch.setattr(_module(module), function, made_once)
 
@@ -72,12 +72,12 @@ class _Fields(pickle.Pickler):
         return type(thing), tuple(getattr(thing, field.name) for field in fields(thing))
 
 
-def _bytes_of(*asked: Any) -> bytes:
+def _bytes_of(*arguments: Any) -> bytes:
     into = BytesIO()
     pickler = _Fields(into, pickle.HIGHEST_PROTOCOL)
     # two things that are equal have the same bytes as one thing that stands there twice
     pickler.fast = True
-    pickler.dump(asked)
+    pickler.dump(arguments)
     return hashlib.sha256(into.getbuffer()).digest()
 
 

@@ -64,8 +64,8 @@ def ring_solid(
         }
     )
     basis = displacement_basis(mesh)
-    held = [basis.get_dofs(name).all([f"u^{1 if name in ('inner', 'outer') else 2}"]) for name in hold]
-    return HeldSolid(mesh, material, free=np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
+    dofs = [basis.get_dofs(name).all([f"u^{1 if name in ('inner', 'outer') else 2}"]) for name in hold]
+    return HeldSolid(mesh, material, free=np.setdiff1d(np.arange(basis.N), np.concatenate(dofs)))
 
 
 def shell_solid(cells: int, material: Material = PERFECT) -> HeldSolid:
@@ -81,13 +81,13 @@ def shell_solid(cells: int, material: Material = PERFECT) -> HeldSolid:
         }
     )
     basis = displacement_basis(mesh)
-    held = [basis.get_dofs("axis").all(["u^1"]), basis.get_dofs("equator").all(["u^2"])]
-    return HeldSolid(mesh, material, free=np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
+    dofs = [basis.get_dofs("axis").all(["u^1"]), basis.get_dofs("equator").all(["u^2"])]
+    return HeldSolid(mesh, material, free=np.setdiff1d(np.arange(basis.N), np.concatenate(dofs)))
 
 
-def balanced(
+def find_balance(
     body: HeldSolid,
-    before: BodyState,
+    old_stress: BodyState,
     forces: np.ndarray | float = 0.0,
     start: np.ndarray | None = None,
     free_strain: np.ndarray | float = 0.0,
@@ -96,16 +96,16 @@ def balanced(
 
     Held dofs stay where `start` puts them.
     """
-    displacement = (before.displacement if start is None else start).copy()
+    displacement = (old_stress.displacement if start is None else start).copy()
     residuals = []
     for _ in range(25):
-        flow = body.respond(displacement, before, free_strain)
-        unbalanced = (forces - body.internal_forces(flow.stress))[body.free]
+        flow = body.respond(displacement, old_stress, free_strain)
+        residual = (forces - body.internal_forces(flow.stress))[body.free]
         scale = np.abs(body.internal_forces(np.abs(flow.stress))).max() + np.abs(forces).max()
-        residuals.append(float(np.abs(unbalanced).max() / scale))
+        residuals.append(float(np.abs(residual).max() / scale))
         if residuals[-1] < 1e-10:
             return BodyState(displacement, flow.stress, flow.state), residuals
-        displacement[body.free] += spsolve(body.stiffness(flow.tangent), unbalanced)
+        displacement[body.free] += spsolve(body.stiffness(flow.tangent), residual)
     raise AssertionError(f"no balance: {residuals}")
 
 

@@ -15,7 +15,7 @@ def main(file):
     whole = IntegrateVariables(Input=reader)
     UpdatePipeline(time=times[-1], proxy=whole)
     area = whole.GetCellDataInformation().GetArray("Area").GetRange()[0]
-    return {"times": times, "ranges": {one.Name: one.GetRange() for one in arrays}, "area": area}
+    return {"times": times, "ranges": {array.Name: array.GetRange() for array in arrays}, "area": area}
 
 
 if __name__ == "__main__":

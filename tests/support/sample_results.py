@@ -51,9 +51,9 @@ def ball(material: object = "steel", radius: str = "20 mm") -> dict[str, Any]:
     return {"shape": "ball", "radius": radius, "material": material}
 
 
-def cone(material: object = STEEL, angle: str = "45 deg", **more: str) -> dict[str, Any]:
+def cone(material: object = STEEL, angle: str = "45 deg", **entries: str) -> dict[str, Any]:
     """The table of a conical seat."""
-    return {"shape": "cone", "angle": angle, "material": material, **more}
+    return {"shape": "cone", "angle": angle, "material": material, **entries}
 
 
 def case(**tables: Any) -> Case:
@@ -85,7 +85,7 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
     Left out is what is solved besides: on other elements, with other bodies, another law, another form, samples.
     Without an estimated error no load is valid.
     """
-    instead = {
+    replacements = {
         "answers.accuracy.on_coarser_mesh": None,
         "answers.accuracy.discretisation_error": NOT_ESTIMATED,
         "answers.accuracy.far_field": (),
@@ -94,8 +94,8 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
         **({} if interval else {"answers.uncertainty.leak_interval": None}),
     }
     with pytest.MonkeyPatch.context() as patch:
-        for name, found in instead.items():
-            patch.setattr(f"fem_seal.{name}", lambda *asked, found=found, **told: found)
+        for name, value in replacements.items():
+            patch.setattr(f"fem_seal.{name}", lambda *asked, found=value, **told: found)
         return fem_seal.run(of)
 
 
@@ -119,10 +119,10 @@ def gasket_result() -> SealResult:
 
 def with_new_verdicts(result: SealResult) -> SealResult:
     """A result whose case or loads were changed, judged as a run does."""
-    found = VERDICT.compute(result, Request(Mock(), Mock(), answers=dict(result.answers)))
+    verdict = VERDICT.compute(result, Request(Mock(), Mock(), answers=dict(result.answers)))
     return replace(
-        result.answered(verdict=found),
-        loads=tuple(VERDICT.of_load(load, n, found) for n, load in enumerate(result.loads)),
+        result.answered(verdict=verdict),
+        loads=tuple(VERDICT.of_load(load, n, verdict) for n, load in enumerate(result.loads)),
     )  # type: ignore[arg-type]
 
 

@@ -70,11 +70,11 @@ def dimensions_of(table: type[Body]) -> set[str]:
     return set(table.model_fields) - {"shape", "material", "wall", "interference"}
 
 
-def tables(closure: str, seat: str, **more: object) -> dict[str, object]:
+def tables(closure: str, seat: str, **entries: object) -> dict[str, object]:
     return {
         "closure": {"shape": closure, **CLOSURES[closure], "material": STEEL},
         "seat": {"shape": seat, **SEATS[seat], "material": STEEL},
         "interface": {"law": "exponential", "u0": "2 um", "p_c": "1 GPa"},
         "load": {"fluid_pressure": "20 bar"},
-        **more,
+        **entries,
     }

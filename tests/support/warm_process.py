@@ -52,25 +52,25 @@ def run(
         given.seek(0)
         server = _server(os.getpid())
         request = pickle.dumps((command[2], dict(os.environ), os.getcwd()))
-        ends = [one.fileno() for one in (given, out, err)]
+        ends = [file.fileno() for file in (given, out, err)]
         socket.send_fds(server, [len(request).to_bytes(8, "big")], ends)
         server.sendall(request)
-        pid = int.from_bytes(_exactly(server, 8), "big")
+        pid = int.from_bytes(_read_exactly(server, 8), "big")
         server.settimeout(timeout)
         try:
-            code = int.from_bytes(_exactly(server, 8), "big", signed=True)
+            code = int.from_bytes(_read_exactly(server, 8), "big", signed=True)
         except TimeoutError:
             os.kill(pid, signal.SIGKILL)
             server.settimeout(None)
-            _exactly(server, 8)
+            _read_exactly(server, 8)
             raise TimeoutExpired(command, timeout) from None
         server.settimeout(None)
-        for one in (out, err):
-            one.seek(0)
+        for file in (out, err):
+            file.seek(0)
         return CompletedProcess(command, code, out.read(), err.read())
 
 
-def _exactly(connection: socket.socket, size: int) -> bytes:
+def _read_exactly(connection: socket.socket, size: int) -> bytes:
     got = b""
     while len(got) < size:
         part = connection.recv(size - len(got))
@@ -91,7 +91,7 @@ def _serve(connection: socket.socket) -> None:
             size, ends, _, _ = socket.recv_fds(connection, 8, 3)
             if not size:
                 return
-            code, environment, folder = pickle.loads(_exactly(connection, int.from_bytes(size, "big")))
+            code, environment, folder = pickle.loads(_read_exactly(connection, int.from_bytes(size, "big")))
             pid = os.fork()
             if pid == 0:
                 connection.close()

@@ -9,7 +9,7 @@ from places import EXAMPLES
 from sample_results import run_loads
 
 import fem_seal
-from fem_seal.explore.screen import LEAK, SHOWN, Screen
+from fem_seal.explore.screen import FIELDS, LEAK, Screen
 from fem_seal.explore.session import Session
 from fem_seal.explore.worker import complete_screen
 from fem_seal.output.tables import leak_rows
@@ -141,7 +141,7 @@ def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
     rests = complete_screen(session.design({}), fem_seal.run(session.case({}), sensitivities=False))
     loads = {(one.applied_force, one.values["fluid_pressure_Pa"]): one for one in rests.loads}
     # what its inputs leave open widens the interval later, and no verdict comes before
-    names = [name for name in SHOWN if not (live.widens and name in LEAK[1:])]
+    names = [name for name in FIELDS if not (live.widens and name in LEAK[1:])]
     for one in live.loads:
         then = loads[one.applied_force, one.values["fluid_pressure_Pa"]]
         expected = {name: then.values[name] for name in names}

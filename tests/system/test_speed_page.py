@@ -15,20 +15,20 @@ BARE = replace(OLD, figure="cluster: wall time", value=2.0, unit="ms", goal=None
 
 def test_a_time_is_judged_on_the_machine_of_the_goals():
     # twice as slow a machine: 3.0 s are 1.5 s there
-    assert NEW.scaled == pytest.approx(1.5)
-    assert (OLD.met, NEW.met, MEMORY.met, BARE.met) == (False, True, False, None)
+    assert NEW.machine_scaled == pytest.approx(1.5)
+    assert (OLD.is_met, NEW.is_met, MEMORY.is_met, BARE.is_met) == (False, True, False, None)
     # memory and ratios do not depend on how fast the machine is
-    assert MEMORY.scaled == 251.0
-    assert replace(NEW, unit="imports").scaled == 3.0
+    assert MEMORY.machine_scaled == 251.0
+    assert replace(NEW, unit="imports").machine_scaled == 3.0
 
 
 def test_the_ratio_is_to_the_last_program_that_was_measured():
     known = [OLD, MEMORY]
-    assert history.before(known, NEW) == OLD
+    assert history.find_previous(known, NEW) == OLD
     assert history.row(NEW, OLD)[-2:] == ("met", f"{1.5 / 3.7:.2f}")
-    assert history.before([OLD, NEW], NEW) == OLD
-    assert history.before([OLD], OLD) is None
-    assert history.before(known, BARE) is None
+    assert history.find_previous([OLD, NEW], NEW) == OLD
+    assert history.find_previous([OLD], OLD) is None
+    assert history.find_previous(known, BARE) is None
 
 
 def test_rows_come_back_as_they_were_written(tmp_path):

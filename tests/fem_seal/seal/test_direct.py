@@ -24,7 +24,7 @@ from fem_seal.errors import InputError
 from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
 from fem_seal.seal.direct import DirectSettings, DirectTable, simulate_surface
 from fem_seal.seal.problem import direct_settings, rough_contact
-from fem_seal.validity.checks import _simulated
+from fem_seal.validity.checks import _direct_cautions
 from leak import DirectError, Reading, RoughContact
 
 SMALL = {"points": 64, "samples": 2, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}
@@ -189,7 +189,7 @@ def test_interval_with_tight_samples():
 def test_tight_samples_make_a_result_doubtful(row, words):
     found, _ = changed(0, **row)
     load = result().loads[-1]
-    cautions = list(_simulated(found, load, result().loads))
+    cautions = list(_direct_cautions(found, load, result().loads))
     assert words in " ".join(caution.reason for caution in cautions)
     assert not any(re.search(r"\b(nan|inf)\b", caution.text) for caution in cautions)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plastic_solids import HEIGHT, INNER, NU, OUTER, E, HeldSolid, balanced, ring_solid
+from plastic_solids import HEIGHT, INNER, NU, OUTER, E, HeldSolid, find_balance, ring_solid
 from sample_results import cone, smooth_case
 
 import fem_seal
@@ -122,7 +122,7 @@ def test_a_held_bar_that_is_heated_yields_as_by_hand(at: float) -> None:
     strain = EXPANSION * (at - ROOM)
     by_hand = min(E * strain, (first + slope * strain) / (1 + slope / E))
     body = ring_solid(4, steel)
-    state, _ = balanced(body, body.virgin, free_strain=strain)
+    state, _ = find_balance(body, body.virgin, free_strain=strain)
     assert state.stress[..., 1] == pytest.approx(-by_hand, rel=1e-9)
     assert np.abs(state.stress[..., [0, 2, 3]]).max() < 1e-9 * by_hand
     assert state.plastic.accumulated == pytest.approx(strain - by_hand / E, abs=1e-12)
@@ -130,7 +130,7 @@ def test_a_held_bar_that_is_heated_yields_as_by_hand(at: float) -> None:
     stepped = body.virgin
     for T in np.linspace(ROOM, at, 9)[1:].tolist():
         solid = ring_solid(4, steel.at(T))
-        stepped, _ = balanced(solid, stepped, free_strain=EXPANSION * (T - ROOM))
+        stepped, _ = find_balance(solid, stepped, free_strain=EXPANSION * (T - ROOM))
     assert stepped.stress == pytest.approx(state.stress, abs=1e-7 * by_hand)
 
 
@@ -159,7 +159,7 @@ def test_the_collapse_pressure_of_a_cylinder_that_is_hot_inside() -> None:
     for opening in INNER * np.linspace(0, 0.03, 11)[1:]:
         start = state.displacement * (opening / before if before else 1.0)
         start[wall] = before = opening
-        state, _ = balanced(body, state, start=start)
+        state, _ = find_balance(body, state, start=start)
     found = float(body.internal_forces(state.stress)[wall].sum()) / (2 * np.pi * INNER * HEIGHT)
     x = np.linspace(math.log(INNER), math.log(OUTER), 20001)
     exact = 2 / math.sqrt(3) * np.trapezoid(yield_stress(np.exp(x)), x)

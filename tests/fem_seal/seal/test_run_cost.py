@@ -13,7 +13,7 @@ import pytest
 from sample_results import case
 
 import fem_seal
-from fem_seal.__main__ import POSTPONED
+from fem_seal.__main__ import LATE_IMPORTS
 from fem_seal.answers import accuracy, opening, variants
 from fem_seal.answers.variants import interface_variants
 from leak.flow.rough_contact import _conductivity_table
@@ -95,7 +95,7 @@ def test_the_shapes_of_a_case_are_made_once():
 
 _DRAWN = """
 import json, sys, types
-from fem_seal.__main__ import POSTPONED, postpone_unused_imports
+from fem_seal.__main__ import LATE_IMPORTS, postpone_unused_imports
 if sys.argv[1] == "command":
     postpone_unused_imports()
 import scipy.special
@@ -117,7 +117,7 @@ print(json.dumps({
     "refused": refused,
     "properties": ArtistInspector(line).get_setters(),
     "erf": scipy.special.erf([0.5]).tolist(),
-    "waiting": [name for name in sorted(POSTPONED) if type(sys.modules.get(name)) is not types.ModuleType],
+    "waiting": [name for name in sorted(LATE_IMPORTS) if type(sys.modules.get(name)) is not types.ModuleType],
     "explained": ["markersize" in (type(line).set.__doc__ or ""), "API" in scipy.special.erf.__doc__],
     "used later": sys.modules["numpy.testing"].assert_equal.__name__,
 }))
@@ -139,7 +139,7 @@ def test_a_command_is_spared_what_no_command_uses_and_draws_the_same():
         )
         for whose in ("command", "library")
     )
-    assert (command.pop("waiting"), library.pop("waiting")) == (sorted(POSTPONED), [])
+    assert (command.pop("waiting"), library.pop("waiting")) == (sorted(LATE_IMPORTS), [])
     assert command == library
     assert command["explained"] == [True, True]
     assert "no_such_property" in command["refused"]

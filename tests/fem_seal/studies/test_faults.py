@@ -141,7 +141,7 @@ import ctypes, sys
 from fem_seal.cli.app import main
 from fem_seal.studies import responses, time_limit
 
-time_limit._APART = 0.1
+time_limit._INTERVAL = 0.1
 harmless = responses.warmed
 
 def armed(case):

@@ -270,8 +270,8 @@ def test_limits_are_those_of_the_documentation():
 
     assert limits("von Mises stress of a body") == ["above 1", f"above {warnings.LARGEST_EXCESS:g}"]
     assert limits("pressure at the end of a face") == [
-        f"above {warnings._CUT_OFF:.0e}".replace("e-06", "e-6"),
-        f"above {100 * warnings._MUCH_CUT_OFF:g} %",
+        f"above {warnings._CUT_SHARE:.0e}".replace("e-06", "e-6"),
+        f"above {100 * warnings._LARGE_CUT_SHARE:g} %",
     ]
     assert limits("plastic strain, for")[1] == f"above {100 * warnings._LARGE_STRAIN:g} %"
     assert limits("peak pressure over")[0].startswith(f"above {warnings._NEAR_HARDNESS:g},")

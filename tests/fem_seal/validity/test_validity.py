@@ -81,7 +81,7 @@ def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
         )
         # beyond 0.32 there is no direct result
         for one, ratio in zip(area, comparison.default, strict=True):
-            assert max(ratio, 1 / ratio) < warnings._between(warnings._FACTORS, one)
+            assert max(ratio, 1 / ratio) < warnings._interpolate_factor(warnings._FACTORS, one)
 
 
 @pytest.mark.parametrize("peklenik", [0.2, 0.5, 1.0, 5.0])
@@ -90,7 +90,7 @@ def test_factors_rise_with_the_area_without_a_step(peklenik):
     area = np.linspace(0.001, 0.38, 500)
     factors = [
         [warnings._lay_factor(one, peklenik) for one in area],
-        [warnings._between(warnings._FACTORS, one) for one in area],
+        [warnings._interpolate_factor(warnings._FACTORS, one) for one in area],
     ]
     change = np.diff(np.log(factors), axis=1)
     assert np.all(change >= 0)
