@@ -166,7 +166,7 @@ def solved(spectra):
 def test_uncertainty_per_sample(benchmark, solved, monkeypatch, fluid, kind, form):
     """Processor time of a sample in one process, with what all share beyond the case's own tables."""
     samples, start = Samples.of(*solved(fluid, kind, form)), process_time()
-    monkeypatch.setattr(processes, "_MOST_TASKS", 1)
+    monkeypatch.setattr(processes, "_MOST_PROCESSES", 1)
     rates = benchmark.pedantic(lambda: samples.leak_rates(range(SAMPLES)), rounds=1)
     benchmark.extra_info.update(
         goal_s=GOAL, figure_s=(process_time() - start) / SAMPLES, note=f"{SAMPLES} samples, all calculated"
@@ -177,7 +177,7 @@ def test_uncertainty_per_sample(benchmark, solved, monkeypatch, fluid, kind, for
 @of_every_cell
 def test_uncertainty_wall_time_per_sample(benchmark, solved, monkeypatch, fluid, kind, form):
     """What a user waits for an interval, over the number of samples, with those that check the polynomial."""
-    monkeypatch.setattr(processes, "_MOST_TASKS", CORES)
+    monkeypatch.setattr(processes, "_MOST_PROCESSES", CORES)
     result, settings = solved(fluid, kind, form)
     interval = benchmark.pedantic(lambda: leak_interval(result, settings), rounds=1)
     cores = min(processes.usable_cores(), CORES) if processes.can_copy() else 1

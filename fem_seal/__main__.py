@@ -73,7 +73,7 @@ LATE_IMPORTS = frozenset(
 
 
 def postpone_unused_imports() -> None:
-    """Load `POSTPONED` modules on first use; call this before anything is imported."""
+    """Load `LATE_IMPORTS` modules on first use; call this before anything is imported."""
     sys.meta_path.insert(0, _LateImporter)
 
 

@@ -200,7 +200,7 @@ def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | No
     [1, 2, 3]
     """
     if processes is None:
-        processes = min(usable_cores(), _MOST_TASKS) if can_copy() else 1
+        processes = min(usable_cores(), _MOST_PROCESSES) if can_copy() else 1
     count = max(min(processes, len(items)), 1)
     shares = [items[k::count] for k in range(count)]
     outcomes = _in_copies(function, shares) if count > 1 else [_outcome(function, items)]
@@ -215,7 +215,7 @@ def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | No
 
 
 # More gain little beside what one process makes before and after.
-_MOST_TASKS = 8
+_MOST_PROCESSES = 8
 
 
 def can_copy() -> bool:
