@@ -337,10 +337,10 @@ def caution(
     leak_only = "leak_only" in own_tables("findings.toml")[name]
     if not is_reported:
         return Finding(kind, Level.VALID, reason, "", leak_factor, of_contact=not leak_only)
-    held = (
+    in_interval = (
         leak_only and proven and leak_factor != EXACT and 0.0 < leak_factor.low <= leak_factor.high < math.inf
     )
-    level = Level.OUTSIDE if outside else Level.VALID if held else Level.DOUBTFUL
+    level = Level.OUTSIDE if outside else Level.VALID if in_interval else Level.DOUBTFUL
     return Finding(kind, level, reason, text, leak_factor, of_contact=not leak_only)
 
 
