@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
-from history import FILE, Entry, before, latest, read, row, states
+from history import FILE, Entry, find_previous, latest, read, row, states
 
 FOLDER = Path(__file__).parents[1] / "verification" / "made"
 COLUMNS = 3
@@ -30,7 +30,7 @@ def page(entries: Sequence[Entry]) -> str:
             "## The latest figures",
             _table(
                 ("figure", "measured", "scaled", "goal", "", "ratio to the one before", "at"),
-                [(*_plain(row(entry, before(entries, entry))), entry.commit) for entry in newest],
+                [(*_plain(row(entry, find_previous(entries, entry))), entry.commit) for entry in newest],
             ),
             _notes(newest),
             "## Over versions",

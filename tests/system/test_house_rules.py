@@ -130,4 +130,4 @@ def test_what_is_counted_of_the_house():
 def test_a_name_that_is_gone_does_not_pass_for_less_knowledge():
     axis = house.Axis((r"by_theory", r"other_theory"), r"theor(y|ies)")
     known = house.files_that_know(axis, {"load.py": SOURCE, "force.py": "force = 1.0  # by no theory"})
-    assert known == house.Known(("load.py",), 2, ("other_theory",))
+    assert known == house.AxisFiles(("load.py",), 2, ("other_theory",))

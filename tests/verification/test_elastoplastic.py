@@ -17,7 +17,7 @@ from plastic_solids import (
     PERFECT,
     YIELD,
     E,
-    balanced,
+    find_balance,
     ring_solid,
     seal,
     shell_solid,
@@ -67,7 +67,7 @@ def shell_errors(cells: int, c: float) -> tuple[float, float]:
     """Relative L2 errors of displacement and radial stress."""
     body = shell_solid(cells)
     p = hill_pressure(c)
-    state, _ = balanced(body, body.virgin, p * push_on_arc(body.basis, "inner"))
+    state, _ = find_balance(body, body.virgin, p * push_on_arc(body.basis, "inner"))
     x, dx = np.asarray(body.basis.global_coordinates()), body.basis.dx
     R = np.hypot(*x)
     u = np.asarray(body.basis.interpolate(state.displacement))
@@ -104,7 +104,7 @@ def collapse_pressure(cells: int, nu: float) -> float:
     for opening in INNER * np.linspace(0, 0.03, 11)[1:]:
         start = state.displacement * (opening / before if before else 1.0)
         start[wall] = before = opening
-        state, _ = balanced(body, state, start=start)
+        state, _ = find_balance(body, state, start=start)
     return float(body.internal_forces(state.stress)[wall].sum()) / (2 * np.pi * INNER * HEIGHT)
 
 
@@ -172,7 +172,7 @@ def cylinder_by_elements(opening: float, steps: int, cells: int = 12) -> tuple[f
     for n in range(1, steps + 1):
         start = state.displacement * (n / (n - 1) if n > 1 else 1.0)
         start[wall] = n / steps * opening
-        state, _ = balanced(body, state, start=start)
+        state, _ = find_balance(body, state, start=start)
     pressure = body.internal_forces(state.stress)[wall].sum() / (2 * np.pi * INNER * HEIGHT)
     return float(pressure), float(state.displacement[outer].mean())
 
@@ -200,7 +200,7 @@ def test_incompressible_cylinder_tends_to_prager_and_hodge() -> None:
         body = ring_solid(16, Material("m", E, nu, hardening=HardeningCurve((0.0,), (YIELD,))))
         state, load = body.virgin, pressure_load(body.mesh, "inner")
         for share in np.linspace(0.4, 1, 13):
-            state, _ = balanced(body, state, share * p * load)
+            state, _ = find_balance(body, state, share * p * load)
         outer = body.basis.get_dofs("outer").all(["u^1"])
         errors.append(state.displacement[outer].mean() / (k * c**2 * (1 + nu) / (E * OUTER)) - 1)
     assert errors[0] == pytest.approx(0.1, abs=0.02)  # 1 - 2 nu
@@ -219,7 +219,7 @@ def test_patch_of_uniaxial_tension() -> None:
     for pull in (0.0005, 0.004, 0.03):
         start = state.displacement.copy()
         start[top] = pull * HEIGHT
-        state, _ = balanced(body, state, start=start)
+        state, _ = find_balance(body, state, start=start)
         stress = state.stress[..., 1]
         plastic = pull - stress / E
         expected = np.where(plastic > 1e-12, curve.flow_stress(plastic), E * pull)
@@ -229,7 +229,7 @@ def test_patch_of_uniaxial_tension() -> None:
 
 def test_newton_converges_quadratically() -> None:
     body = ring_solid(8, PERFECT)
-    _, residuals = balanced(body, body.virgin, 0.75 * YIELD * pressure_load(body.mesh, "inner"))
+    _, residuals = find_balance(body, body.virgin, 0.75 * YIELD * pressure_load(body.mesh, "inner"))
     last = np.log([r for r in residuals if r > 1e-14][-3:])
     # of the last three residuals, each has about twice the digits of the one before
     assert (last[2] - last[1]) / (last[1] - last[0]) > 1.6

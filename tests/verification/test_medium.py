@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from direct_elastic_campaign import FILE
 from direct_numerical import worst_factor
-from verification_medium import BINS, GOALS, Lay, Threshold, joined, lays, spread, thresholds
+from verification_medium import BINS, GOALS, Lay, Threshold, join_ratios, lays, spread, thresholds
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_both_halves_of_the_lays_agree(stretched):
 def test_near_the_threshold(isotropic, method):
     sets = [one for one in isotropic if one.role == "judges"]
     for bin, goal in zip(BINS, GOALS[method], strict=True):
-        ratios = joined(sets, method, *bin)
+        ratios = join_ratios(sets, method, *bin)
         assert ratios.size >= 1
         assert spread(ratios) - 1.0 < goal, bin
 
@@ -68,7 +68,9 @@ def test_closed_law_is_the_better_one_only_beyond_a_third(isotropic):
     sets = [one for one in isotropic if one.role == "judges"]
 
     def both(low: float, high: float) -> tuple[float, float]:
-        return spread(joined(sets, "bruggeman", low, high)), spread(joined(sets, "threshold-law", low, high))
+        return spread(join_ratios(sets, "bruggeman", low, high)), spread(
+            joined(sets, "threshold-law", low, high)
+        )
 
     medium, closed = both(0.32, 0.39)
     assert closed < 0.95 * medium
