@@ -27,7 +27,7 @@ def isotropic(reference_folder) -> list[Threshold]:
 
 def judged(sets: tuple[Lay, ...], name: str) -> np.ndarray:
     return np.concatenate(
-        [getattr(one, name) for one in sets if not one.fitted and one.direct.kind.peklenik <= 5.0]
+        [getattr(one, name) for one in sets if not one.is_fitted and one.direct.kind.peklenik <= 5.0]
     )
 
 
@@ -50,7 +50,7 @@ def test_patches_longer_than_the_roughness_are_the_better_reading(stretched):
 
 def test_both_halves_of_the_lays_agree(stretched):
     """A constant that only fits its own half would show here."""
-    fitted = np.concatenate([one.across for one in stretched if one.fitted])
+    fitted = np.concatenate([one.across for one in stretched if one.is_fitted])
     assert spread(judged(stretched, "across")) < 1.2 * spread(fitted)
 
 
@@ -68,9 +68,8 @@ def test_closed_law_is_the_better_one_only_beyond_a_third(isotropic):
     sets = [one for one in isotropic if one.role == "judges"]
 
     def both(low: float, high: float) -> tuple[float, float]:
-        return spread(join_ratios(sets, "bruggeman", low, high)), spread(
-            joined(sets, "threshold-law", low, high)
-        )
+        methods = ("bruggeman", "threshold-law")
+        return tuple(spread(join_ratios(sets, method, low, high)) for method in methods)
 
     medium, closed = both(0.32, 0.39)
     assert closed < 0.95 * medium
