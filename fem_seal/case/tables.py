@@ -395,7 +395,7 @@ class CaseTables(Table):
     @property
     def display(self) -> Display:
         """In which units its results are shown, see `shown`."""
-        system, throughputs, of_flow = self.shown
+        system, throughputs, of_flow = self.display_units
         return Display(system or "field", throughputs, of_flow)
 
     def _unit_of(self, limit: float) -> Unit | None:
