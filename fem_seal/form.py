@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -114,7 +113,7 @@ class FormError:
     remarks: tuple[str, ...] = ()
     grooves: tuple[PlacedGroove, ...] = ()
 
-    @cached_property
+    @property
     def felt(self) -> tuple[Wave, ...]:
         """The waves that load the contact: a closure that is not guided gives way to the first."""
         return tuple(wave for wave in self.waves if wave.amplitude and (self.guided or wave.waves > 1))

@@ -456,7 +456,7 @@ class HardeningCurve:
         line = stress + stiffness * strain
         return np.interp(trial, line, strain) + np.maximum(trial - line[-1], 0.0) / stiffness
 
-    @cached_property
+    @property
     def _points(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self.plastic_strain), np.array(self.stress)
 

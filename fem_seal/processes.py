@@ -324,14 +324,6 @@ def returned_memory() -> Iterator[None]:
     try:
         yield
     finally:
-        trim = _trim()
-        if trim is not None:
-            trim(0)
-
-
-@cache
-def _trim() -> Any:
-    try:
-        return ctypes.CDLL(None).malloc_trim
-    except (OSError, AttributeError, TypeError):  # Windows has no library without a name
-        return None
+        # Windows has no library without a name
+        with suppress(OSError, AttributeError, TypeError):
+            ctypes.CDLL(None).malloc_trim(0)

@@ -90,7 +90,7 @@ class PressureProfile:
         """Square root of the second central moment of p over x [m]."""
         return float(np.sqrt(self.moment(2, self.centroid) / self._force_per_length)) if self.touches else 0.0
 
-    @cached_property
+    @property
     def _force_per_length(self) -> float:
         """int p dx [Pa m]."""
         return float(self.arc_weight @ self.pressure)

@@ -202,7 +202,7 @@ class _Formed:
 
     load: CaseLoad
 
-    @cached_property
+    @property
     def circumference(self) -> Circumference:
         assert self.load.circumference is not None
         return self.load.circumference

@@ -343,7 +343,7 @@ class Samples:
         """Leak rates of the case itself, as those of a sample: shape (kinds, loads), see `leak_rates` [m^3/s]."""
         return np.array([_leak_rates(load) for load in self.seal.loads]).T
 
-    @cached_property
+    @property
     def evaluated(self) -> tuple[AnyInput, ...]:
         """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
         return tuple(each for each in self.inputs if each.name != "viscosity")

@@ -112,7 +112,7 @@ class LeakInterval:
         """Lower end of the interval in the reading that leaks less, at each load, shape (loads,) [m^3/s]."""
         return np.minimum.reduce(list(map(partial(_quantile, 0.5 - 0.5 * self.confidence), self._found)))
 
-    @cached_property
+    @property
     def median(self) -> FloatArray:
         """Leak rate that half of the samples exceed, with the theory's own error, shape (loads,) [m^3/s]."""
         return _quantile(0.5, self._found[0])
@@ -137,7 +137,7 @@ class LeakInterval:
         factors = np.array([np.ones(count) if one is None else one.factor(even) for one in self.own_error])
         return [(rates[:, :, None] * factors[:, None, :]).reshape(len(rates), -1) for rates in every]
 
-    @cached_property
+    @property
     def sealed(self) -> FloatArray:
         """Share of the samples that do not leak, shape (loads,)."""
         return (self.leak_rate == 0).mean(axis=1)
@@ -252,7 +252,7 @@ class _Sampling:
     confidence: float
     whole_paths: bool = False
 
-    @cached_property
+    @property
     def places(self) -> IntArray:
         """Places in `loads` of those that are sampled: all, or a few with line loads over the whole range."""
         return representative(self.log_line_load) if self.leaks else np.arange(len(self.loads))

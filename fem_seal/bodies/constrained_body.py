@@ -117,7 +117,7 @@ class ConstrainedBody:
         """Places [m] of the quadratic nodes, and the triangles over them, see `quadratic_nodes`."""
         return quadratic_nodes(self.mesh)
 
-    @cached_property
+    @property
     def wall_nodes(self) -> IntArray:
         """Nodes of a held wall among the quadratic ones."""
         return np.flatnonzero(np.isin(node_dofs(self.mesh)[0], self.wall))
@@ -160,7 +160,7 @@ class ConstrainedBody:
         cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
         return compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
 
-    @cached_property
+    @property
     def free_rows(self) -> IntArray:
         """Row of every dof among the free ones; -1 where it is held."""
         number = np.full(self.size, -1)

@@ -82,7 +82,7 @@ class ElastoplasticField(BodyField):
     plastic_strain: FloatArray
     accumulated_plastic_strain: FloatArray
 
-    @cached_property
+    @property
     def von_mises(self) -> FloatArray:
         """von Mises stress at the nodes [Pa]."""
         return self.equivalent_stress

@@ -104,7 +104,7 @@ class Unloaded:
             for name, body in self.bodies.items()
         }
 
-    @cached_property
+    @property
     def imprints(self) -> dict[str, Imprint]:
         """Lasting imprint in the contact face of each body that has yielded."""
         return {

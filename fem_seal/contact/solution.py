@@ -111,7 +111,7 @@ class ContactSolution:
             f"{len(self.log_pressure)} points, {self.iterations} iterations>"
         )
 
-    @cached_property
+    @property
     def pressure(self) -> FloatArray:
         """Contact pressure at the points of the contact line [Pa]."""
         return np.exp(self.log_pressure)

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 
-@cache
 def prose() -> dict[str, Any]:
     """The whole file: "definitions", "captions", "sources" and the other groups of sentences."""
     return own_tables("words.toml")

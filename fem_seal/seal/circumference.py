@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -327,7 +327,6 @@ def _polynomials(
     return max(one, _OF_TWO * two), found
 
 
-@lru_cache(maxsize=len(_PARTS))
 def _shares(parts: int) -> list[float]:
     """Places from 0 to 1 through which polynomials do not swing; every other one is a place of half as many parts."""
     return [0.5 - 0.5 * math.cos(math.pi * (n / parts)) for n in range(parts + 1)]

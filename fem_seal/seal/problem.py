@@ -502,7 +502,7 @@ class SealProblem:
         """The materials by what their bodies are called."""
         return {self.contact.label_of(name): material for name, material in self.materials.items()}
 
-    @cached_property
+    @property
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])

@@ -183,7 +183,7 @@ class Display:
         labels = [*words.values(), *(COLUMNS[name].words for name in self.designs.about["responses"])]
         return {name: name if labels.count(label) > 1 else label for name, label in words.items()}
 
-    @cached_property
+    @property
     def _parameters(self) -> dict[str, dict[str, Any]]:
         return {parameter["name"]: parameter for parameter in self.designs.about["parameters"]}
 

@@ -75,7 +75,7 @@ class Part:
     parts: tuple[Part, ...] = ()
     unit: str | None = None
 
-    @cached_property
+    @property
     def names(self) -> tuple[str, ...]:
         """Columns and parameters in it."""
         name = [self.what] if isinstance(self.what, str) else []
@@ -127,7 +127,7 @@ class _Formula:
         tree = self._tree
         return tuple(map(_part, (tree.left, *tree.comparators) if isinstance(tree, ast.Compare) else (tree,)))
 
-    @cached_property
+    @property
     def names(self) -> tuple[str, ...]:
         """Columns and parameters that it needs."""
         return tuple(dict.fromkeys(name for side in self.sides for name in side.names))

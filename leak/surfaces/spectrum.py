@@ -414,7 +414,7 @@ class PowerSpectrum:
         log_q = np.interp(np.arange(0.5, total[-1], 0.5), total[rising], self._log_q[rising])
         return self.slope_moment(np.exp(log_q))
 
-    @cached_property
+    @property
     def break_pieces(self) -> IntArray | None:
         """Piece between each pair of neighbouring breaks, where no break was left out; otherwise None."""
         breaks = self.break_moments
@@ -481,7 +481,7 @@ class PowerSpectrum:
     def _slope_exponent(self) -> FloatArray:
         return not_zero(4.0 + self._slope)
 
-    @cached_property
+    @property
     def _slope_scale(self) -> FloatArray:
         return np.exp(self._log_C[:-1] + 4.0 * self._log_q[:-1])
 

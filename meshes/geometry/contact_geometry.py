@@ -376,12 +376,12 @@ class ContactGeometry:
         found = math.atan2(-n[0], n[1])
         return found if abs(found) > 1e-15 else 0.0
 
-    @cached_property
+    @property
     def seat_curvature(self) -> float:
         """Curvature of the seat at first touch [1/m], positive where it is hollow."""
         return self.seat_face.curvature(self._origin)
 
-    @cached_property
+    @property
     def closure_curvature(self) -> float:
         """Curvature of the closure at first touch [1/m], positive where it bulges."""
         touch = self.closure_face.project(np.array(self.initial_contact_radius), np.array(0.0))
@@ -443,7 +443,7 @@ class ContactGeometry:
         slack = min(1e-6 * (end - start), 1e-3 * shortest)
         return self._last_in_front(start + slack, slack), self._last_in_front(end - slack, slack)
 
-    @cached_property
+    @property
     def turned_away(self) -> tuple[bool, bool]:
         """Whether the seat goes on at the ends of `reach`, turned away from the closure."""
         start, end = (self.facing(np.array(self.reach)) < 1.05 * _GRAZING).tolist()

@@ -133,7 +133,7 @@ class Curve:
 
     segments: tuple[Segment, ...]
 
-    @cached_property
+    @property
     def _start(self) -> FloatArray:
         return np.array([s.start for s in self.segments])
 
@@ -141,7 +141,7 @@ class Curve:
     def _curvature(self) -> FloatArray:
         return np.array([_curvature(s) for s in self.segments])
 
-    @cached_property
+    @property
     def _lengths(self) -> FloatArray:
         return np.array([s.length for s in self.segments])
 
