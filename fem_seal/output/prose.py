@@ -6,7 +6,6 @@ The texts are data; the modules of the answers choose the sentences that a resul
 from __future__ import annotations
 
 from collections.abc import Collection
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import own_tables
