@@ -92,7 +92,7 @@ def displacement(solid: Solid, straight: FloatArray, contact: ContactSolution) -
     """What fem-seal finds, at the nodes of the reference [m]: where Newton's method begins."""
     u, model = solid.at_rest, contact.model
     for name, body in (("closure", model.closure), ("seat", model.seat)):
-        dofs, places = node_dofs(body.held.mesh), body.held.nodes[0]
+        dofs, places = node_dofs(body.fem.mesh), body.fem.nodes[0]
         nodes = np.unique(solid.cells[solid.members[name]])
         own_nodes = nodes[cKDTree(straight[:, nodes].T).query(places)[1]]
         motion = body.displacement(contact.point_forces)

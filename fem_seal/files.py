@@ -212,10 +212,10 @@ def read_any_text(file: str | Path) -> str:
         If it is missing, empty or no text.
     """
     from leak.errors import TableError
-    from leak.text_tables import decoded
+    from leak.text_tables import decode
 
     try:
-        return decoded(read_bytes(file))
+        return decode(read_bytes(file))
     except (TableError, UnreadableFileError) as error:
         raise TextTableError(str(error)) from None
 

@@ -49,7 +49,7 @@ class SealResult(SealSolution):
     model : ContactModel
     loads : tuple of CaseLoad
         In the order of the case, with what is said of each; `verdicts` is what is claimed.
-    unloaded : Unloaded or None
+    unloaded : UnloadedBodies or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
     earlier : ContactSolution or None
         At the largest load before those of the case; None without one.

@@ -184,19 +184,19 @@ def as_arrays(error: type[ValueError], must: str, *values: ArrayLike) -> list[Fl
         raise error(f"{must}: {reason}") from None
 
 
-def check_each(error: type[ValueError], name: str, values: FloatArray, right: BoolArray, must: str) -> None:
+def check_each(error: type[ValueError], name: str, values: FloatArray, good: BoolArray, must: str) -> None:
     """Raise `error` with the first of several values that is not right, "p[3] = -1.0: must not be negative [Pa]"."""
-    wrong = (~right).nonzero()[0]
-    if wrong.size:
-        raise error(f"{name}[{wrong[0]}] = {values[wrong[0]]}: {must}")
+    places = (~good).nonzero()[0]
+    if places.size:
+        raise error(f"{name}[{places[0]}] = {values[places[0]]}: {must}")
 
 
 def check_order(
     error: type[ValueError], name: str, values: FloatArray, must: str, *, equal: bool = False
 ) -> None:
     """Raise `error` with the first of several values that is below the one before, or as large unless it may be."""
-    before, after = values[:-1], values[1:]
-    back = (after < before if equal else after <= before).nonzero()[0]
-    if back.size:
-        i = int(back[0])
+    lower, upper = values[:-1], values[1:]
+    places = (upper < lower if equal else upper <= lower).nonzero()[0]
+    if places.size:
+        i = int(places[0])
         raise error(f"{name}[{i + 1}] = {values[i + 1]} follows {values[i]}: {must}")

@@ -10,12 +10,12 @@ from pathlib import Path
 _NAME = "fem-seal"
 _EXTRA = re.compile(r"""^([\w.-]+).*;.*extra\s*==\s*["']([\w-]+)["']""")
 # Packages that are imported under another name than they are installed.
-_OTHERWISE = {"dask": "distributed"}
+_IMPORT_NAMES = {"dask": "distributed"}
 # What brings all others for those who work on the program itself.
 _FOR_DEVELOPERS = ("dev", "docs")
 
 
-def needed(extra: str, error: ImportError | None = None) -> str:
+def say_missing(extra: str, error: ImportError | None = None) -> str:
     """What is missing of an extra and how to install it, as the end of a sentence: "needs ...".
 
     Parameters
@@ -27,15 +27,15 @@ def needed(extra: str, error: ImportError | None = None) -> str:
 
     Examples
     --------
-    >>> needed("explore").startswith("needs ")
+    >>> say_missing("explore").startswith("needs ")
     True
     """
-    missing = [name for name in _packages().get(extra, ()) if not _is_installed(name)]
-    if not missing:
+    absent = [name for name in _packages().get(extra, ()) if not _is_installed(name)]
+    if not absent:
         # it is there and cannot be loaded
-        missing = [(error.name or str(error)).split(".")[0] if error is not None else f"the extra {extra}"]
-    several = len(missing) > 1
-    names = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
+        absent = [(error.name or str(error)).split(".")[0] if error is not None else f"the extra {extra}"]
+    several = len(absent) > 1
+    names = " and ".join(filter(None, [", ".join(absent[:-1]), absent[-1]]))
     are, them = ("are", "them") if several else ("is", "it")
     return f"needs {names}, which {are} not installed; install {them} with: {command(extra)}"
 
@@ -54,9 +54,9 @@ def extra_with(module: str | None) -> str:
     'studies'
     """
     root = (module or "").split(".")[0]
-    name = _OTHERWISE.get(root, root).lower()
-    found = (extra for extra, names in _packages().items() if name in (one.lower() for one in names))
-    return next(found, "")
+    name = _IMPORT_NAMES.get(root, root).lower()
+    extras = (extra for extra, names in _packages().items() if name in (package.lower() for package in names))
+    return next(extras, "")
 
 
 def command(extra: str) -> str:
@@ -81,15 +81,15 @@ def _packages() -> dict[str, list[str]]:
     # what reads it takes as long as a small command, and is used by nothing else
     from importlib import metadata
 
-    found: dict[str, list[str]] = {}
+    packages: dict[str, list[str]] = {}
     try:
         lines = metadata.requires(_NAME) or []
     except metadata.PackageNotFoundError:
-        return found
+        return packages
     for match in filter(None, map(_EXTRA.match, lines)):
         if match[2] not in _FOR_DEVELOPERS:
-            found.setdefault(match[2], []).append(match[1])
-    return found
+            packages.setdefault(match[2], []).append(match[1])
+    return packages
 
 
 def _is_installed(name: str) -> bool:
@@ -109,14 +109,14 @@ def _source() -> Path | None:
     from urllib.parse import unquote, urlsplit
     from urllib.request import url2pathname
 
-    here = Path(__file__).resolve().parent.parent
+    checkout = Path(__file__).resolve().parent.parent
     try:
-        told = json.loads(metadata.distribution(_NAME).read_text("direct_url.json") or "{}")
+        record = json.loads(metadata.distribution(_NAME).read_text("direct_url.json") or "{}")
     except (metadata.PackageNotFoundError, ValueError):
-        told = {}
-    url = urlsplit(str(told.get("url", "")))
+        record = {}
+    url = urlsplit(str(record.get("url", "")))
     if url.scheme == "file":
         path = Path(url2pathname(unquote(url.path) if sys.platform != "win32" else url.path))
         if path.exists():
             return path
-    return here if (here / "pyproject.toml").exists() else None
+    return checkout if (checkout / "pyproject.toml").exists() else None

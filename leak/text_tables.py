@@ -79,7 +79,7 @@ class TextTable:
         return [row[column] if column < len(row) else "" for row in rows]
 
 
-def decoded(content: bytes) -> str:
+def decode(content: bytes) -> str:
     r"""Text in UTF-8 or UTF-16, with or without a byte order mark, or in Latin-1; lines end with a line feed.
 
     Parameters
@@ -93,13 +93,13 @@ def decoded(content: bytes) -> str:
 
     Examples
     --------
-    >>> decoded("x [µm]\r\n0,5".encode("utf-16"))
+    >>> decode("x [µm]\r\n0,5".encode("utf-16"))
     'x [µm]\n0,5'
     """
     if not content.strip(b"\x00 \t\r\n"):
         raise TableError("is empty; a table of numbers is needed")
     try:
-        text = content.decode(_encoding(content[:1000]))
+        text = content.decode(_find_encoding(content[:1000]))
     except UnicodeDecodeError:
         # every sequence of bytes is Latin-1; in it instruments write the micro and the degree sign
         text = content.decode("latin-1")
@@ -108,7 +108,7 @@ def decoded(content: bytes) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _encoding(begin: bytes) -> str:
+def _find_encoding(begin: bytes) -> str:
     if begin[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return "utf-16"
     # without a mark, every other byte of what a keyboard writes is zero
@@ -200,9 +200,9 @@ class _Layout:
                 return None
             row[place] = number
         # what begins with nothing is no row, but of one column
-        return None if math.isnan(row[self.numeric[0]]) and not (begun and self._lost(row)) else row
+        return None if math.isnan(row[self.numeric[0]]) and not (begun and self._is_lost(row)) else row
 
-    def _lost(self, row: Sequence[float]) -> bool:
+    def _is_lost(self, row: Sequence[float]) -> bool:
         return self.columns == 1 or not all(map(math.isnan, row))
 
 
@@ -217,7 +217,7 @@ def read_tables(text: str) -> tuple[TextTable, ...]:
     Parameters
     ----------
     text : str
-        See `decoded`.
+        See `decode`.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def read_tables(text: str) -> tuple[TextTable, ...]:
     if not layouts:
         header = any(len(cells_of(line, one)) > 1 for line in sample[-1:] for one in _SEPARATORS)
         raise TableError("has a header but no rows of numbers" if header else "holds no columns of numbers")
-    tables = _split(lines, max(layouts, key=lambda one: _rank(_split(lines[:_SAMPLE], one))))
+    tables = _split_tables(lines, max(layouts, key=lambda one: _rank(_split_tables(lines[:_SAMPLE], one))))
     if not tables:
         raise TableError("holds no columns of numbers")
     return tables
@@ -316,7 +316,7 @@ def _layouts(sample: Sequence[str]) -> list[_Layout]:
     return found
 
 
-def _split(lines: Sequence[tuple[int, str]], layout: _Layout) -> tuple[TextTable, ...]:
+def _split_tables(lines: Sequence[tuple[int, str]], layout: _Layout) -> tuple[TextTable, ...]:
     """Tables of a layout: rows that follow each other, but for comments and what stands under a table."""
     tables, between = list[TextTable](), list[tuple[int, str]]()
     rows, kept, above = list[list[float]](), list[tuple[int, str]](), list[tuple[int, str]]()

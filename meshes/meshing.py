@@ -97,7 +97,7 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
     """
     _check_zone(contact, sizing)
     if isinstance(contact.seat, MeshedOutline):
-        sizing = replace(sizing, zone=contact.seat.within(contact, sizing.zone))
+        sizing = replace(sizing, zone=contact.seat.widen_zone(contact, sizing.zone))
     x = sizing.contact_vertices(contact.breaks)
     if len(x) > _MOST_VERTICES:
         raise MeshingError(
@@ -193,7 +193,7 @@ def triangulate(outline: Outline, contact: ContactGeometry, sizing: Sizing) -> M
 
 
 @dataclass(frozen=True)
-class _Drawn:
+class _DrawnBody:
     """What gmsh calls a body: its points with their places, the curves of each boundary, the ends of contact pieces."""
 
     points: Mapping[int, tuple[float, float]]
@@ -201,7 +201,7 @@ class _Drawn:
     chords: Mapping[str, list[tuple[int, int]]]
 
 
-def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _Drawn:
+def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _DrawnBody:
     """Add a body."""
     geo = gmsh.model.geo
     exact: dict[int, tuple[float, float]] = {}
@@ -231,7 +231,7 @@ def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _Drawn:
         curves.setdefault(s.name, []).append(loop[-1])
     geo.addPlaneSurface([geo.addCurveLoop(loop)])
     geo.synchronize()
-    return _Drawn(exact, curves, chords)
+    return _DrawnBody(exact, curves, chords)
 
 
 def _set_sizes(gmsh: ModuleType, name: str, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
@@ -299,7 +299,7 @@ def _square(point: FloatArray, scale: float) -> str:
     return f"(x-({point[0] / scale:.{_DIGITS}g}))^2+(y-({point[1] / scale:.{_DIGITS}g}))^2"
 
 
-def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
+def _to_skfem(gmsh: ModuleType, drawn: _DrawnBody, scale: float) -> MeshTri:
     from meshes.mesh.triangles import Triangles, facets_between, smooth_triangles
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()

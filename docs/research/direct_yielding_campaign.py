@@ -19,7 +19,7 @@ import numpy as np
 import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press
 from leak.direct.contact import ContactState
-from leak.direct.flow import spanning
+from leak.direct.flow import find_spanning
 
 FILE = Path(__file__).with_name("direct_yielding.csv")
 THRESHOLD_FILE = Path(__file__).with_name("direct_threshold.csv")
@@ -147,7 +147,7 @@ def patches() -> Iterator[Patch]:
 
 
 def thresholds(patch: Patch) -> Iterator[tuple[str, ...]]:
-    """Where the open area stops spanning the patch, by bisection in the pressure, for flow along either axis."""
+    """Where the open area stops find_spanning the patch, by bisection in the pressure, for flow along either axis."""
     h = heights(patch)
     body = PeriodicHalfSpace(patch.grid, 1.0, 1.0)
     for hardness in (None, 0.5, 0.2, 0.08, 0.03):
@@ -158,7 +158,9 @@ def thresholds(patch: Patch) -> Iterator[tuple[str, ...]]:
                 p = 0.5 * (low + high)
                 state = press(body, h, p, hardness=hardness, start=state.pressure)
                 opened = state.gap > 0.0
-                low, high = (p, high) if spanning(opened if direction == 0 else opened.T).any() else (low, p)
+                low, high = (
+                    (p, high) if find_spanning(opened if direction == 0 else opened.T).any() else (low, p)
+                )
             yielded = 0.0 if hardness is None else float(np.mean(state.pressure >= hardness))
             area = float(np.mean(state.pressure > 0.0))
             numbers = (f"{x:.5g}" for x in (p, area, yielded))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
 import leak
-from leak.theory.own_error import closing, flow_error
+from leak.theory.own_error import closing_ratio, flow_error
 
 FloatArray = NDArray[np.float64]
 REFERENCE = Path(__file__).resolve().parents[2] / "tests" / "reference"
@@ -54,7 +54,7 @@ def low_load_rows() -> list[dict[str, float]]:
         p = row["p_over_Eh"] * contact.spectrum.rms_slope
         flow = 0.5 * (row["periodic_conductivity_along"] + row["periodic_conductivity_across"])
         row["area"] = float(contact.corrected_contact_area(p))
-        finer = GRID[0] + GRID[1] * float(closing(row["area"]))
+        finer = GRID[0] + GRID[1] * float(closing_ratio(row["area"]))
         row["error"] = float(np.log(flow) - 3.0 * np.log(contact.effective_separation(p))) + finer
         lacking = row["excess_height_over_hrms"] if row["contact_area"] < FEW_TOUCH else 0.0
         row["mended"] = row["error"] + 3.0 * float(np.log1p(-lacking / row["mean_gap_over_hrms"]))
@@ -86,7 +86,7 @@ def means(parts: list[list[dict[str, float]]]) -> Iterator[Mean]:
         first = part[0]
         error = float(np.mean([row["mended"] for row in part]))
         yield Mean(
-            error, len(part), first["rolloff_waves"], first["p_over_Eh"], float(closing(first["area"]))
+            error, len(part), first["rolloff_waves"], first["p_over_Eh"], float(closing_ratio(first["area"]))
         )
     with (REFERENCE / "gap_direct.csv").open(encoding="utf-8") as file:
         rows = [{name: float(value or "nan") for name, value in row.items()} for row in csv.DictReader(file)]
@@ -97,7 +97,7 @@ def means(parts: list[list[dict[str, float]]]) -> Iterator[Mean]:
         contact = surface(row["hurst"], rolloff, rolloff * row["cutoff_over_rolloff"])
         p = row["p_over_Eh"] * contact.spectrum.rms_slope
         direct = row["conductivity_over_hrms3"] * (row["mean_gap_over_hrms"] / row["gap_of_flow_seeds"]) ** 3
-        X = float(closing(contact.corrected_contact_area(p)))
+        X = float(closing_ratio(contact.corrected_contact_area(p)))
         error = float(np.log(direct) - 3.0 * np.log(contact.effective_separation(p))) + GRID[0] + GRID[1] * X
         yield Mean(error, row["seeds_flow"], rolloff, row["p_over_Eh"], X)
 
@@ -138,7 +138,7 @@ def theory_error(
                     0.0,
                     np.var([row["mended"] for row in part], ddof=1) * part[0]["rolloff_waves"] ** 2,
                     len(part) - 1,
-                    closing(part[0]["area"]),
+                    closing_ratio(part[0]["area"]),
                     part[0]["p_over_Eh"],
                 )
                 for part in parts
@@ -195,7 +195,7 @@ def main() -> None:
     error, area, waves, p = np.array(
         [(row["error"], row["area"], row["rolloff_waves"] ** 2, row["p_over_Eh"]) for row in fitted]
     ).T
-    X = closing(area)
+    X = closing_ratio(area)
     theory = (spread**2 + (closing_spread * X) ** 2) * waves
     constants = sampling(theory, (error - bias - closing_bias * X) ** 2 * waves, np.ones_like(p), X, p)
     print(f"BELONG_TOGETHER = {belong_together(rows):.2g}")

@@ -85,10 +85,10 @@ def _solve_contact(pair: _Pair, contact: ContactGeometry, law: Law, line_load: f
         return [solve(condense(build_contact(contact, sizing), materials), law, contact_force=force)]
 
     sizing = element_sizes(law, [line_load], contact, effective_modulus(*pair.materials))
-    fit = MeshFit.begun(sizing, contact)
+    fit = MeshFit.begin(sizing, contact)
     while fit.sizing is not None:
-        fit = fit.after(solve_on(fit.sizing))
-    return fit.found[0]
+        fit = fit.with_outcome(solve_on(fit.sizing))
+    return fit.solutions[0]
 
 
 _HEAD = ("pair", "r0 [mm]", "angle", "R_rel [mm]", "Hertz p0", "p0", "FWHM", "std", "force")

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem_seal.case.case import Case
-    from fem_seal.contact.load_path import Imprint, Unloaded
+    from fem_seal.contact.load_path import Imprint, UnloadedBodies
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone
     from fem_seal.errors import LoadProblem
@@ -637,7 +637,7 @@ class SolvedSeal:
     model : ContactModel
     loads : tuple of CaseLoad
         In the order of the case.
-    unloaded : Unloaded or None
+    unloaded : UnloadedBodies or None
         Residual stress and imprint after the last load; None if all bodies are elastic.
     not_calculated : tuple of MissingLoad
         The other loads of the case.
@@ -652,7 +652,7 @@ class SolvedSeal:
     seal_mesh: SealMesh
     model: ContactModel
     loads: tuple[CaseLoad, ...]
-    unloaded: Unloaded | None = None
+    unloaded: UnloadedBodies | None = None
     not_calculated: tuple[MissingLoad, ...] = ()
     said_of_missing: tuple[Finding, ...] = ()
     lower_half: SolvedSeal | None = None

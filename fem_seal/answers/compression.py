@@ -101,7 +101,7 @@ def _of_both_faces(seal: SolvedSeal) -> Compression:
         return Compression(tuple(steps), 0.0, stop)
     if seal.unloaded is None:
         return Compression(tuple(steps), None, stop)
-    left = faces * seal.unloaded.closing - layer
+    left = faces * seal.unloaded.closing_approach - layer
     steps.append(CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left, None if stop is None else 0.0))
     return Compression(tuple(steps), left, stop)
 

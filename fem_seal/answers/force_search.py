@@ -256,7 +256,7 @@ def search_forces(
             outcome = searched()
         except (MeshingError, ConvergenceError) as error:
             outcome = [error] * len(halves)
-        return {n: fit.after(outcome[n]) for n, fit in wanted.items()}
+        return {n: fit.with_outcome(outcome[n]) for n, fit in wanted.items()}
 
     def searched() -> list[list[ContactSolution]]:
         own, ends = [solvers[n] for n in range(len(halves))], list[tuple[CaseLoad, ...]]()
@@ -273,7 +273,7 @@ def search_forces(
 
     fit_meshes(
         {
-            n: MeshFit.begun(sizing(half, sized_for), half.contact, size_given=half.contact_size is not None)
+            n: MeshFit.begin(sizing(half, sized_for), half.contact, size_given=half.contact_size is not None)
             for n, half in enumerate(halves)
         },
         solve_on,

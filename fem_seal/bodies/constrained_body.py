@@ -126,30 +126,30 @@ class ConstrainedBody:
         """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced; or (dofs, k)."""
         forces = np.zeros((self.size, *point_forces.shape[1:]))
         forces[self.contact_dofs] = (self.normal.T * (self.trace.T @ point_forces).T[..., None]).T
-        return self.balanced(forces)
+        return self.balance_forces(forces)
 
-    def balanced(self, forces: FloatArray) -> FloatArray:
-        """Nodal forces (dofs,) or (dofs, k) [N] together with what holds a floating body against them."""
+    def balance_forces(self, forces: FloatArray) -> FloatArray:
+        """Nodal forces (dofs,) or (dofs, k) [N] together with the load that balances them on a floating body."""
         return forces - np.multiply.outer(self.balance, forces[node_dofs(self.mesh)[1]].sum(axis=0))
 
-    def counted(self, displacement: FloatArray) -> FloatArray:
+    def remove_rigid_motion(self, displacement: FloatArray) -> FloatArray:
         """Displacement (dofs,) or (dofs, k) [m] without the axial rigid motion of a floating body."""
-        counted = displacement.copy()
-        counted[node_dofs(self.mesh)[1]] -= self.balance @ displacement
-        return counted
+        relative = displacement.copy()
+        relative[node_dofs(self.mesh)[1]] -= self.balance @ displacement
+        return relative
 
     def normal_displacement(self, displacement: FloatArray) -> FloatArray:
         """How far the contact nodes move along the normal into the body [m], shape (n,) or (n, k)."""
-        return np.sum((self.normal.T * self.counted(displacement)[self.contact_dofs].T).T, axis=0)
+        return np.sum((self.normal.T * self.remove_rigid_motion(displacement)[self.contact_dofs].T).T, axis=0)
 
-    def floating(self, compliance: FloatArray, balanced: FloatArray) -> FloatArray:
+    def floating_compliance(self, compliance: FloatArray, response: FloatArray) -> FloatArray:
         """Compliance of the contact nodes where what holds a floating body balances the forces on them.
 
         Parameters
         ----------
         compliance : ndarray, shape (n, n)
             Retreat of the contact nodes per unit normal force at each [m/N].
-        balanced : ndarray, shape (dofs,)
+        response : ndarray, shape (dofs,)
             Displacement under `balance` [m/N].
 
         Notes
@@ -157,8 +157,8 @@ class ConstrainedBody:
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
         share = self.normal[1]
-        cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
-        return compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
+        cross = np.outer(np.sum(self.normal * response[self.contact_dofs], axis=0), share)
+        return compliance + self.balance @ response * np.outer(share, share) - cross - cross.T
 
     @property
     def free_rows(self) -> IntArray:
@@ -204,39 +204,39 @@ def constrained_body(
     # Between the surfaces fluid acts on both bodies along the contact normal. What a face that leans away from it feels
     # more or less belongs to the fluid at that end of the line, so that fluid all around is even pressure.
     on_line = node_dofs(mesh)[:, nodes]
-    lacking = pressure_load(mesh, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
-    for region, beyond in enumerate((contact_x < 0, contact_x > 0)):
-        further[region][on_line] += np.where(beyond, lacking, 0.0)
+    lean_load = pressure_load(mesh, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
+    for region, at_end in enumerate((contact_x < 0, contact_x > 0)):
+        further[region][on_line] += np.where(at_end, lean_load, 0.0)
     if name == "closure":
-        closing = pressure_load(mesh, "closure_top")
-        further[1] += closing
+        closing_load = pressure_load(mesh, "closure_top")
+        further[1] += closing_load
         axial = node_dofs(mesh)[1]
-        balance = closing / closing[axial].sum()
+        balance = closing_load / closing_load[axial].sum()
         # Fluid all around must lift nothing, and that up to first touch acts on the area of its circle. What is left to
         # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
-        in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.initial_contact_radius**2
+        in_gap, sealed_area = area_weight * (trace @ normal[1]), np.pi * contact.initial_contact_radius**2
         middle = int(np.argmin(np.abs(contact_x)))
         solid = "closure_axis" in (mesh.boundaries or {})
         for region, end, area in (
-            (0, 0, sealed - in_gap[x < 0].sum()),
-            (1, -1, -sealed - in_gap[x > 0].sum()),
+            (0, 0, sealed_area - in_gap[x < 0].sum()),
+            (1, -1, -sealed_area - in_gap[x > 0].sum()),
         ):
-            left = area - further[region][axial].sum()
+            remainder = area - further[region][axial].sum()
             if solid:
-                further[region][on_line[1, end if contact.has_ready_mesh else middle]] += left
+                further[region][on_line[1, end if contact.has_ready_mesh else middle]] += remainder
             else:
                 # what the pipe carries from behind the bore
-                further[region] += left * balance
-        held = boundary_dofs(mesh, "closure_top", 1)[:1]
+                further[region] += remainder * balance
+        held_dofs = boundary_dofs(mesh, "closure_top", 1)[:1]
         if solid:
-            held = np.append(boundary_dofs(mesh, "closure_axis", 0), held)
+            held_dofs = np.append(boundary_dofs(mesh, "closure_axis", 0), held_dofs)
     else:
-        held = boundary_dofs(mesh, "seat_bottom", 1)
+        held_dofs = boundary_dofs(mesh, "seat_bottom", 1)
         if supports is not None and supports.wall == "fixed":
             wall = boundary_dofs(mesh, "seat_wall", 0)
-            held = np.concatenate([held, wall])
+            held_dofs = np.concatenate([held_dofs, wall])
     movable = np.ones(balance.size, dtype=bool)
-    movable[held] = False
+    movable[held_dofs] = False
     # All of a closure can grow beyond what the seat grows, with which the closure's place and size are compared.
     free_strain = {"expansion": np.ones(len(quadratic_nodes(mesh)[0]))} if name == "closure" else {}
     if heat is not None:
@@ -274,18 +274,18 @@ def trace_matrix(
     ends = coordinate(*mesh.p[:, mesh.facets[:, facets].ravel()]).reshape(2, -1)
     order = np.argsort(ends.mean(axis=0))
     facets, ends = facets[order], ends[:, order]
-    first = ends.min(axis=0)
-    facet = np.clip(np.searchsorted(first, x, side="right") - 1, 0, len(facets) - 1)
+    starts = ends.min(axis=0)
+    facet = np.clip(np.searchsorted(starts, x, side="right") - 1, 0, len(facets) - 1)
     t = (x - ends[0, facet]) / (ends[1, facet] - ends[0, facet])
     shape = edge_shapes(t)
     vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
     vertex_index = vertex_index.reshape(2, -1)
     columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
     nodes = np.concatenate([vertex, mesh.p.shape[1] + facets])
-    along = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
-    place = np.argsort(along)
+    node_order = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
+    place = np.argsort(node_order)
     rows = np.tile(np.arange(len(x)), 3)
-    return nodes[along], csr_matrix(
+    return nodes[node_order], csr_matrix(
         (shape.ravel(), (rows, place[columns].ravel())), shape=(len(x), len(nodes))
     )
 
@@ -313,7 +313,7 @@ class BoundaryLoad:
 
 
 # Loads of a body that prescribe how far it moves, whatever its stiffness.
-_IMPOSED = ("wall", "expansion", "heat")
+_IMPOSED_MOTIONS = ("wall", "expansion", "heat")
 
 
 @dataclass(frozen=True)
@@ -322,7 +322,7 @@ class CondensedBody:
 
     Parameters
     ----------
-    held : ConstrainedBody
+    fem : ConstrainedBody
         The body with its contact line and supports.
     compliance : ndarray, shape (n, n)
         Normal displacement of the trace nodes under unit forces at them along the normal [m/N].
@@ -335,23 +335,23 @@ class CondensedBody:
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
     """
 
-    held: ConstrainedBody
+    fem: ConstrainedBody
     compliance: FloatArray
     find_loads: Callable[[], Mapping[LoadName, BoundaryLoad]] | None
     solve: Callable[[FloatArray], FloatArray] | None
 
     def __getstate__(self) -> dict[str, object]:
-        """For pickle, which knows no factorisation: what is known goes with it, the way to more does not."""
+        """For pickle, which cannot store a factorisation: the loads are stored, the solver is not."""
         return {**vars(self), "loads": self.loads, "find_loads": None, "solve": None}
 
     @cached_property
     def loads(self) -> Mapping[LoadName, BoundaryLoad]:
-        """Answers to unit loads by their names."""
+        """Responses to unit loads by their names."""
         assert self.find_loads is not None  # of a body that was not pickled
         return self.find_loads()
 
     def with_loads(self, loads: Mapping[LoadName, BoundaryLoad]) -> CondensedBody:
-        """The same body with other answers to its loads."""
+        """The same body with other responses to its loads."""
         return replace(self, find_loads=lambda: loads)
 
     def stiffer(self, factor: float) -> CondensedBody:
@@ -359,10 +359,10 @@ class CondensedBody:
         material = replace(self.material, youngs_modulus=self.material.youngs_modulus * factor)
         # the wall of a pressed-in housing and heat move a body as far as before; pressures move a stiffer one less
         loads = {
-            name: load if name in _IMPOSED else replace(load, opening=load.opening / factor)
+            name: load if name in _IMPOSED_MOTIONS else replace(load, opening=load.opening / factor)
             for name, load in self.loads.items()
         }
-        return replace(self.with_loads(loads), held=replace(self.held, material=material))
+        return replace(self.with_loads(loads), fem=replace(self.fem, material=material))
 
     @property
     def line_alone(self) -> CondensedBody:
@@ -372,12 +372,12 @@ class CondensedBody:
     @property
     def material(self) -> Material:
         """Material of the body."""
-        return self.held.material
+        return self.fem.material
 
     @cached_property
     def recovery(self) -> StressRecovery:
         """From displacements to the stress at the nodes."""
-        return StressRecovery(self.held.mesh, self.material)
+        return StressRecovery(self.fem.mesh, self.material)
 
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.
@@ -393,46 +393,46 @@ class CondensedBody:
             If the body was condensed for its contact line alone.
         """
         if self.solve is None:
-            raise ValueError(f"the {self.held.name} was condensed for its contact line alone")
-        return self.held.counted(self.solve(self.held.nodal_forces(point_forces)))
+            raise ValueError(f"the {self.fem.name} was condensed for its contact line alone")
+        return self.fem.remove_rigid_motion(self.solve(self.fem.nodal_forces(point_forces)))
 
 
 def condense_body(
-    held: ConstrainedBody,
-    seen: tuple[FloatArray, Callable[[FloatArray], FloatArray]],
+    body: ConstrainedBody,
+    flexibility: tuple[FloatArray, Callable[[FloatArray], FloatArray]],
     forces: Mapping[str, FloatArray] | None = None,
 ) -> CondensedBody:
     """A body whose stiffness is factorised, with all that loads it.
 
     Parameters
     ----------
-    seen : tuple
+    flexibility : tuple
         Compliance of its contact nodes, and from forces on its free dofs to their displacements, see
         `DissectedBody.elastic`.
     forces : mapping of ndarray, shape (dofs,), optional
         Nodal forces of loads beside those of the held body [N per unit]; "wall", of a body whose wall can be moved,
         while the wall alone is moved outwards by 1 m.
     """
-    compliance, solve_free = seen
+    compliance, solve_free = flexibility
 
     def solve(nodal: FloatArray) -> FloatArray:
         displacement = np.zeros_like(nodal)
-        displacement[held.free] = solve_free(nodal[held.free])
+        displacement[body.free] = solve_free(nodal[body.free])
         return displacement
 
-    named = dict(held.further)
-    named.update(forces or {})
+    unit_forces = dict(body.further)
+    unit_forces.update(forces or {})
 
     def answers() -> Iterator[tuple[LoadName, BoundaryLoad]]:
         # all at once, which takes hardly longer than one of them
-        responses = solve(np.stack([held.balanced(force) for force in named.values()], axis=1))
-        for (name, force), response in zip(named.items(), responses.T, strict=True):
-            counted = held.counted(response)
+        responses = solve(np.stack([body.balance_forces(force) for force in unit_forces.values()], axis=1))
+        for (name, force), response in zip(unit_forces.items(), responses.T, strict=True):
+            motion = body.remove_rigid_motion(response)
             if name == "wall":
-                counted[held.wall] = -1.0
-            axial = float(force[node_dofs(held.mesh)[1]].sum())
-            yield name, BoundaryLoad(axial, held.trace @ held.normal_displacement(counted), counted)
+                motion[body.wall] = -1.0
+            axial = float(force[node_dofs(body.mesh)[1]].sum())
+            yield name, BoundaryLoad(axial, body.trace @ body.normal_displacement(motion), motion)
 
-    if held.balance.any():
-        compliance = held.floating(compliance, solve(held.balance))
-    return CondensedBody(held, compliance, lambda: dict(answers()), solve)
+    if body.balance.any():
+        compliance = body.floating_compliance(compliance, solve(body.balance))
+    return CondensedBody(body, compliance, lambda: dict(answers()), solve)

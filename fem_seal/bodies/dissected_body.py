@@ -25,7 +25,7 @@ from fem_seal.bodies.elasticity import element_dofs, element_stiffness
 from fem_seal.bodies.elastoplastic import ElastoplasticBody, StressUpdate
 
 # Elements of the smallest parts: fewer are more steps in Python, more are dense matrices with many zeros.
-_SMALLEST = 40
+_SMALLEST_PART = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +55,11 @@ class _Part:
         """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
         size, (place,) = len(self.inner) + len(self.outer) + 1, self.places
         index = place[:, :, None] * size + place[:, None, :]
-        summed = np.asarray(np.bincount(index.ravel(), local.ravel(), minlength=size * size), dtype=float)
+        sums = np.asarray(np.bincount(index.ravel(), local.ravel(), minlength=size * size), dtype=float)
         # symmetric, and turned round in the order that LAPACK takes without a copy of each row
-        return summed.reshape(size, size)[:-1, :-1].T
+        return sums.reshape(size, size)[:-1, :-1].T
 
-    def joined(self, halves: tuple[FloatArray, ...]) -> FloatArray:
+    def join_halves(self, halves: tuple[FloatArray, ...]) -> FloatArray:
         """The same from what the halves hand on."""
         size = len(self.inner) + len(self.outer)
         front = np.zeros((size, size))
@@ -72,7 +72,7 @@ class _Part:
 
 
 @dataclass(frozen=True, eq=False)
-class _Eliminated:
+class _Elimination:
     """A part after its elimination: U^T U of the inner stiffness, U^-T times the coupling, and what is handed on.
 
     Of what is handed on the upper triangle alone: parts have their unknowns in the order of elimination, so that it is
@@ -84,7 +84,7 @@ class _Eliminated:
     handed_on: FloatArray
 
     @classmethod
-    def of(cls, front: FloatArray, inner: int) -> _Eliminated:
+    def of(cls, front: FloatArray, inner: int) -> _Elimination:
         from scipy.linalg.blas import dsyrk
         from scipy.linalg.lapack import dtrtrs
 
@@ -105,8 +105,8 @@ def _cholesky(matrix: FloatArray) -> FloatArray:
 
     if not matrix.size:
         return matrix
-    upper, failed = dpotrf(matrix)
-    if failed:
+    upper, info = dpotrf(matrix)
+    if info:
         raise RuntimeError("the matrix is not positive definite")
     return np.asarray(upper)
 
@@ -163,14 +163,14 @@ class Dissection:
         levels = _halve_elements(unknowns + 1 if nodes is None else nodes, coordinates)
         return cls(_parts(levels, unknowns, places, size), places, size, elastic)
 
-    def condensed(
-        self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
+    def condense(
+        self, is_changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
     ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """(K^-1) between the places, and a solver for any right-hand side.
+        """Invert K between the places, and return a solver for any right-hand side.
 
         Parameters
         ----------
-        changed : ndarray of bool, shape (elements,)
+        is_changed : ndarray of bool, shape (elements,)
             Which elements have another stiffness than the elastic one.
         stiffness : callable
             Takes numbers of elements to their stiffness, shape (k, shapes, shapes).
@@ -187,76 +187,76 @@ class Dissection:
         RuntimeError
             If the stiffness is not positive definite.
         """
-        return self._answers(self._eliminate_parts(changed, stiffness))
+        return self._answers(self._eliminate_parts(is_changed, stiffness))
 
-    def unchanged(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    def condense_elastic(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """The same as `condensed` where no element has another stiffness than the elastic one."""
         return self._answers(self._elastic)
 
-    def _answers(self, found: list[_Eliminated]) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    def _answers(self, fronts: list[_Elimination]) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         from scipy.linalg.lapack import dpotri
 
-        last = _cholesky(found[-1].handed_on)
-        inverse, _ = dpotri(last)
+        last_factor = _cholesky(fronts[-1].handed_on)
+        inverse, _ = dpotri(last_factor)
         inverse = np.triu(inverse)
         # what a part hands on is not needed any more, and need not be kept
-        kept = [(one.upper, one.coupling) for one in found if len(one.upper)]
+        factors = [(part.upper, part.coupling) for part in fronts if len(part.upper)]
 
-        def solve(right: FloatArray) -> FloatArray:
+        def solve(rhs: FloatArray) -> FloatArray:
             from scipy.linalg.lapack import dpotrs, dtrtrs
 
             order, places = self._order
-            steps = [(*place, *one) for place, one in zip(places, kept, strict=True)]
-            turned = right.reshape(len(right), -1)[order]
+            steps = [(*place, *matrices) for place, matrices in zip(places, factors, strict=True)]
+            values = rhs.reshape(len(rhs), -1)[order]
             for span, outer, upper, coupling in steps:
-                inner = turned[span]
+                inner = values[span]
                 # forces stand on few parts
                 if np.count_nonzero(inner):
-                    turned[span], _ = dtrtrs(upper, inner, trans=1)
-                    turned[outer] -= coupling.T @ inner
-            rest = turned[-len(last) :]
-            rest[:], _ = dpotrs(last, rest)
+                    values[span], _ = dtrtrs(upper, inner, trans=1)
+                    values[outer] -= coupling.T @ inner
+            tail = values[-len(last_factor) :]
+            tail[:], _ = dpotrs(last_factor, tail)
             for span, outer, upper, coupling in reversed(steps):
-                turned[span], _ = dtrtrs(upper, turned[span] - coupling @ turned[outer])
-            solution = np.empty_like(turned)
-            solution[order] = turned
-            return solution.reshape(right.shape)
+                values[span], _ = dtrtrs(upper, values[span] - coupling @ values[outer])
+            solution = np.empty_like(values)
+            solution[order] = values
+            return solution.reshape(rhs.shape)
 
         return inverse + np.triu(inverse, 1).T, solve
 
     @cached_property
     def _order(self) -> tuple[IntArray, list[tuple[slice, IntArray]]]:
         """Unknowns in the order of their elimination, and where those that a part eliminates and hands on are then."""
-        eliminating = [part for part in self.parts if len(part.inner)]
-        order = np.concatenate([*(part.inner for part in eliminating), self.places])
+        inner_parts = [part for part in self.parts if len(part.inner)]
+        order = np.concatenate([*(part.inner for part in inner_parts), self.places])
         place = np.empty_like(order)
         place[order] = np.arange(self.size)
-        ends = np.cumsum([0, *(len(part.inner) for part in eliminating)]).tolist()
+        ends = np.cumsum([0, *(len(part.inner) for part in inner_parts)]).tolist()
         spans = (slice(*ends) for ends in pairwise(ends))
-        return order, [(span, place[part.outer]) for span, part in zip(spans, eliminating, strict=True)]
+        return order, [(span, place[part.outer]) for span, part in zip(spans, inner_parts, strict=True)]
 
     @cached_property
-    def _elastic(self) -> list[_Eliminated]:
+    def _elastic(self) -> list[_Elimination]:
         """All parts before anything yields."""
         return self._eliminate_parts(
             np.ones(len(self.elastic), dtype=bool), lambda elements: self.elastic[elements]
         )
 
     def _eliminate_parts(
-        self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
-    ) -> list[_Eliminated]:
+        self, is_changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
+    ) -> list[_Elimination]:
         """Every part, anew where an element has changed."""
-        found: list[_Eliminated] = []
+        fronts: list[_Elimination] = []
         for number, part in enumerate(self.parts):
-            if not np.count_nonzero(changed[part.elements]):
-                found.append(self._elastic[number])
+            if not np.count_nonzero(is_changed[part.elements]):
+                fronts.append(self._elastic[number])
                 continue
             if part.halves:
-                front = part.joined(tuple(found[half].handed_on for half in part.halves))
+                front = part.join_halves(tuple(fronts[half].handed_on for half in part.halves))
             else:
                 front = part.front_matrix(stiffness(part.elements))
-            found.append(_Eliminated.of(front, len(part.inner)))
-        return found
+            fronts.append(_Elimination.of(front, len(part.inner)))
+        return fronts
 
 
 def _halve_elements(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
@@ -273,20 +273,20 @@ def _halve_elements(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
     while True:
         size = np.bincount(part[part >= 0])
         # and last of what is in none of the parts, whose number is -1
-        size = np.append(np.where(size > _SMALLEST, size, 0), 0)
+        size = np.append(np.where(size > _SMALLEST_PART, size, 0), 0)
         if not size.any():
             return levels
         # elements by the part that is halved, and in it along each coordinate
-        orders = [one[size[part[one]] > 0] for one in orders]
-        orders = [one[_sort_parts(part[one])] for one in orders]
-        halved = part[orders[0]]
-        behind = np.arange(len(halved)) - (np.cumsum(size) - size)[halved] >= size[halved] // 2
-        shared, halves = [], np.zeros((len(orders), len(part)), dtype=np.int64)
+        orders = [order[size[part[order]] > 0] for order in orders]
+        orders = [order[_sort_parts(part[order])] for order in orders]
+        number = part[orders[0]]
+        in_second = np.arange(len(number)) - (np.cumsum(size) - size)[number] >= size[number] // 2
+        share_counts, halves = [], np.zeros((len(orders), len(part)), dtype=np.int64)
         for half, order in zip(halves, orders, strict=True):
-            half[order] = behind
+            half[order] = in_second
             have = _have(node[order], half[order], len(owner))
-            shared.append(np.bincount(owner[have.all(axis=1)], minlength=len(size)))
-        order, half = orders[0], halves[np.argmin(shared, axis=0)[part], np.arange(len(part))]
+            share_counts.append(np.bincount(owner[have.all(axis=1)], minlength=len(size)))
+        order, half = orders[0], halves[np.argmin(share_counts, axis=0)[part], np.arange(len(part))]
         have = _have(node[order], half[order], len(owner))
         node[order] = (np.cumsum(have) - 1)[2 * node[order] + half[order, None]]
         owner = (2 * owner[:, None] + [0, 1])[have]
@@ -303,72 +303,72 @@ def _have(node: IntArray, half: IntArray, count: int) -> BoolArray:
 
 def _parts(levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int) -> tuple[_Part, ...]:
     """All parts, halves before what they are halves of; `levels` as from `_halve_elements`."""
-    level_of, ordered = _elimination(levels, unknowns, places, size)
+    level_of, order = _elimination_order(levels, unknowns, places, size)
     rank = np.full(size + 1, -1)
-    rank[ordered] = np.arange(size)
-    rank, level_of = rank[unknowns], level_of[ordered]
+    rank[order] = np.arange(size)
+    rank, level_of = rank[unknowns], level_of[order]
     pieces = []
     # what the parts of the level below hand on: which part, and what
-    giver, given = np.empty((2, 0), dtype=np.int64)
-    below = np.full(len(unknowns), -1)
+    sender, handed_on = np.empty((2, 0), dtype=np.int64)
+    part_below = np.full(len(unknowns), -1)
     for level, part in reversed([*enumerate(levels)]):
         count = 1 + int(part.max())
-        inside = np.flatnonzero(part >= 0)
-        inside = inside[_sort_parts(part[inside])]
-        smallest = inside[below[inside] < 0]
-        free = rank[smallest] >= 0
-        own = (part[smallest, None] * size + rank[smallest])[free]
-        known, which = np.unique(np.append(own, giver // 2 * size + given), return_inverse=True)
-        owner, unknown = np.divmod(known, size)
+        elements = np.flatnonzero(part >= 0)
+        elements = elements[_sort_parts(part[elements])]
+        leaves = elements[part_below[elements] < 0]
+        free = rank[leaves] >= 0
+        own_keys = (part[leaves, None] * size + rank[leaves])[free]
+        keys, key = np.unique(np.append(own_keys, sender // 2 * size + handed_on), return_inverse=True)
+        owner, unknown = np.divmod(keys, size)
         outer = level_of[unknown] < level
         sizes = np.bincount(owner, minlength=count)
         # in a part what it eliminates comes before what it hands on
-        place = np.arange(len(known)) - (np.cumsum(sizes) - sizes)[owner]
-        of_elements = np.repeat(sizes[part[smallest], None], free.shape[1], axis=1)
-        of_elements[free] = place[which[: len(own)]]
-        of_halves = _split_groups(place[which[len(own) :]], giver, 2 * count)
+        place = np.arange(len(keys)) - (np.cumsum(sizes) - sizes)[owner]
+        of_elements = np.repeat(sizes[part[leaves], None], free.shape[1], axis=1)
+        of_elements[free] = place[key[: len(own_keys)]]
+        of_halves = _split_groups(place[key[len(own_keys) :]], sender, 2 * count)
         pieces.append(
             list(
                 zip(
-                    _split_groups(inside, part[inside], count),
-                    _split_groups(ordered[unknown[~outer]], owner[~outer], count),
-                    _split_groups(ordered[unknown[outer]], owner[outer], count),
-                    _split_groups(of_elements, part[smallest], count),
+                    _split_groups(elements, part[elements], count),
+                    _split_groups(order[unknown[~outer]], owner[~outer], count),
+                    _split_groups(order[unknown[outer]], owner[outer], count),
+                    _split_groups(of_elements, part[leaves], count),
                     zip(of_halves[::2], of_halves[1::2], strict=True),
                     strict=True,
                 )
             )
         )
-        giver, given, below = owner[outer], unknown[outer], part
-    found: list[_Part] = []
-    _add(found, pieces, len(pieces) - 1, 0)
-    return tuple(found)
+        sender, handed_on, part_below = owner[outer], unknown[outer], part
+    parts: list[_Part] = []
+    _add(parts, pieces, len(pieces) - 1, 0)
+    return tuple(parts)
 
 
-def _add(found: list[_Part], pieces: Sequence[Sequence[Any]], level: int, number: int) -> int:
+def _add(parts: list[_Part], pieces: Sequence[Sequence[Any]], level: int, number: int) -> int:
     """Append a part behind its halves; its place in the list."""
     elements, inner, outer, of_elements, of_halves = pieces[level][number]
     halves = (
         ()
         if len(of_elements)
-        else (_add(found, pieces, level - 1, 2 * number), _add(found, pieces, level - 1, 2 * number + 1))
+        else (_add(parts, pieces, level - 1, 2 * number), _add(parts, pieces, level - 1, 2 * number + 1))
     )
-    found.append(_Part(elements, halves, inner, outer, of_halves if halves else (of_elements,)))
-    return len(found) - 1
+    parts.append(_Part(elements, halves, inner, outer, of_halves if halves else (of_elements,)))
+    return len(parts) - 1
 
 
-def _elimination(
+def _elimination_order(
     levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int
 ) -> tuple[IntArray, IntArray]:
     """On which level each unknown is eliminated, -1 if it is left to the last, and unknowns in the order of that."""
     # the smallest part that has all elements of an unknown; the held ones come behind all others
     level_of, part_of = np.zeros((2, size + 1), dtype=np.int64)
     for level, part in enumerate(levels):
-        found = np.empty(size + 1, dtype=np.int64)
-        found[unknowns] = part[:, None]
-        whole = found >= 0
-        whole[unknowns[found[unknowns] != part[:, None]]] = False
-        level_of[whole], part_of[whole] = level, found[whole]
+        last_part = np.empty(size + 1, dtype=np.int64)
+        last_part[unknowns] = part[:, None]
+        is_whole = last_part >= 0
+        is_whole[unknowns[last_part[unknowns] != part[:, None]]] = False
+        level_of[is_whole], part_of[is_whole] = level, last_part[is_whole]
     # halves one after the other, and then what they are halves of
     end = (part_of + 1) << (len(levels) - level_of)
     level_of[places] = -1
@@ -377,12 +377,12 @@ def _elimination(
 
 
 def _sort_parts(part: IntArray) -> IntArray:
-    """What sorts numbers of parts, of which there are few: they are not compared, but counted."""
+    """Order that sorts numbers of parts; there are few, so that a radix sort is quick."""
     return np.argsort(part.astype(np.min_scalar_type(part.max())), kind="stable")
 
 
 def _split_groups(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
-    """Values by the group that each is in, which do not fall."""
+    """Values of each group; the numbers of the groups do not fall."""
     ends = np.searchsorted(group, np.arange(count + 1)).tolist()
     return [values[begin:end] for begin, end in pairwise(ends)]
 
@@ -393,7 +393,7 @@ class DissectedBody:
 
     Parameters
     ----------
-    held : ConstrainedBody
+    fem : ConstrainedBody
     solid : ElastoplasticBody or None
         The same body with its law, if it yields.
 
@@ -403,11 +403,11 @@ class DissectedBody:
     presses on, is eliminated with all others.
     """
 
-    held: ConstrainedBody
+    fem: ConstrainedBody
     solid: ElastoplasticBody | None = None
 
-    def condensed(self, flow: StressUpdate) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """The body linearised, as it is seen from its contact line; nothing is balanced or counted.
+    def condense(self, flow: StressUpdate) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """Condense the linearised body on its contact line, without balance of a floating body.
 
         Parameters
         ----------
@@ -427,7 +427,7 @@ class DissectedBody:
             If its stiffness is not positive definite.
         """
         return self._normal_compliance(
-            *self._dissection.condensed(
+            *self._dissection.condense(
                 np.asarray(flow.yielding.any(axis=1)),
                 lambda elements: self._stiffness(elements, flow.tangent[elements]),
             )
@@ -441,25 +441,25 @@ class DissectedBody:
         RuntimeError
             If its stiffness is not positive definite.
         """
-        return self._normal_compliance(*self._dissection.unchanged())
+        return self._normal_compliance(*self._dissection.condense_elastic())
 
     def _normal_compliance(
         self, inverse: FloatArray, solve_turned: Callable[[FloatArray], FloatArray]
     ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """Compliance along the normals, and a solver without turned nodes, from those of the dissection."""
-        (radial, axial), (n_r, n_z) = self._turned_rows, self.held.normal[:, self._turned_nodes][..., None]
+        (radial, axial), (n_r, n_z) = (self._turned_rows, self.fem.normal[:, self._turned_nodes][..., None])
 
         def solve(forces: FloatArray) -> FloatArray:
-            turned = forces.reshape(len(forces), -1).copy()
-            along_r, along_z = turned[radial], turned[axial]
-            turned[radial], turned[axial] = n_r * along_r + n_z * along_z, n_r * along_z - n_z * along_r
-            moved = solve_turned(turned)
-            normal, tangent = moved[radial], moved[axial]
-            moved[radial], moved[axial] = n_r * normal - n_z * tangent, n_z * normal + n_r * tangent
-            return moved.reshape(forces.shape)
+            local = forces.reshape(len(forces), -1).copy()
+            along_r, along_z = local[radial], local[axial]
+            local[radial], local[axial] = n_r * along_r + n_z * along_z, n_r * along_z - n_z * along_r
+            motion = solve_turned(local)
+            normal, tangent = motion[radial], motion[axial]
+            motion[radial], motion[axial] = n_r * normal - n_z * tangent, n_z * normal + n_r * tangent
+            return motion.reshape(forces.shape)
 
-        _, along = self._last
-        return np.asarray(along.T @ (along.T @ inverse).T), solve
+        _, projection = self._last_rows
+        return np.asarray(projection.T @ (projection.T @ inverse).T), solve
 
     def _stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of elements with turned contact nodes; their tangent has the shape (k, points, 4, 4)."""
@@ -467,26 +467,26 @@ class DissectedBody:
         return self._add_turned_nodes(elements, self.solid.element_stiffness(elements, tangent))
 
     def _add_turned_nodes(self, elements: IntArray, local: FloatArray) -> FloatArray:
-        touched = self._elements_of_turned_nodes[elements]
-        turn = self._turn[self._number[elements[touched]]]
-        local[touched] = turn.transpose(0, 2, 1) @ local[touched] @ turn
+        has_turned = self._elements_of_turned_nodes[elements]
+        turn = self._turn[self._number[elements[has_turned]]]
+        local[has_turned] = turn.transpose(0, 2, 1) @ local[has_turned] @ turn
         return local
 
     @cached_property
     def _turned_nodes(self) -> BoolArray:
         """Which contact nodes can move both ways, shape (n,)."""
-        return np.all(self.held.free_rows[self.held.contact_dofs] >= 0, axis=0)
+        return np.all(self.fem.free_rows[self.fem.contact_dofs] >= 0, axis=0)
 
     @cached_property
     def _turned_rows(self) -> IntArray:
         """Rows of the free dofs that are turned to normal and tangent, shape (2, turned)."""
-        return self.held.free_rows[self.held.contact_dofs[:, self._turned_nodes]]
+        return self.fem.free_rows[self.fem.contact_dofs[:, self._turned_nodes]]
 
     @cached_property
     def _elements_of_turned_nodes(self) -> BoolArray:
         """Which elements have a turned node."""
-        turned = self.held.contact_dofs[0, self._turned_nodes]
-        return np.asarray(np.isin(element_dofs(self.held.mesh), turned).any(axis=1))
+        turned_dofs = self.fem.contact_dofs[0, self._turned_nodes]
+        return np.asarray(np.isin(element_dofs(self.fem.mesh), turned_dofs).any(axis=1))
 
     @cached_property
     def _number(self) -> IntArray:
@@ -496,23 +496,23 @@ class DissectedBody:
     @cached_property
     def _turn(self) -> FloatArray:
         """From normal and tangent to r and z, of the shapes of elements with a turned node; (k, shapes, shapes)."""
-        radial, axial = self.held.contact_dofs[:, self._turned_nodes]
-        dofs = element_dofs(self.held.mesh)[self._elements_of_turned_nodes]
-        node = np.full(self.held.size, -1)
+        radial, axial = self.fem.contact_dofs[:, self._turned_nodes]
+        dofs = element_dofs(self.fem.mesh)[self._elements_of_turned_nodes]
+        node = np.full(self.fem.size, -1)
         node[radial] = np.arange(len(radial))
-        element, first = np.nonzero(node[dofs] >= 0)
-        which = node[dofs[element, first]]
-        second = np.argmax(dofs[element] == axial[which][:, None], axis=1)
-        n_r, n_z = self.held.normal[:, self._turned_nodes][:, which]
+        element, shape_r = np.nonzero(node[dofs] >= 0)
+        contact_node = node[dofs[element, shape_r]]
+        shape_z = np.argmax(dofs[element] == axial[contact_node][:, None], axis=1)
+        n_r, n_z = self.fem.normal[:, self._turned_nodes][:, contact_node]
         turn = np.broadcast_to(np.eye(dofs.shape[1]), (*dofs.shape, dofs.shape[1])).copy()
-        turn[element, first, first], turn[element, first, second] = n_r, -n_z
-        turn[element, second, first], turn[element, second, second] = n_z, n_r
+        turn[element, shape_r, shape_r], turn[element, shape_r, shape_z] = n_r, -n_z
+        turn[element, shape_z, shape_r], turn[element, shape_z, shape_z] = n_z, n_r
         return turn
 
     @cached_property
-    def _last(self) -> tuple[IntArray, csr_matrix]:
+    def _last_rows(self) -> tuple[IntArray, csr_matrix]:
         """Rows eliminated last, and the projection of nodal forces on the contact normals."""
-        rows, normal = self.held.free_rows[self.held.contact_dofs], self.held.normal
+        rows, normal = self.fem.free_rows[self.fem.contact_dofs], self.fem.normal
         node = np.flatnonzero(self._turned_nodes)
         parts = [(rows[0, node], node, np.ones(len(node)))]
         for way in (0, 1):
@@ -524,19 +524,19 @@ class DissectedBody:
 
     @cached_property
     def _dissection(self) -> Dissection:
-        held, mesh = self.held, self.held.mesh
+        body, mesh = self.fem, self.fem.mesh
         everywhere = np.arange(mesh.nelements)
         return Dissection.of(
-            held.free_rows[element_dofs(mesh)],
-            places_of_elements(held),
-            self._last[0],
-            len(held.free),
-            self._add_turned_nodes(everywhere, element_stiffness(mesh, held.material)),
+            body.free_rows[element_dofs(mesh)],
+            places_of_elements(body),
+            self._last_rows[0],
+            len(body.free),
+            self._add_turned_nodes(everywhere, element_stiffness(mesh, body.material)),
             mesh.t.T,  # halves that share few vertices share few nodes
         )
 
 
-def places_of_elements(held: ConstrainedBody) -> FloatArray:
+def places_of_elements(body: ConstrainedBody) -> FloatArray:
     """By what elements are halved: r and z, and polar ones around the middle of the contact, where they are smallest.
 
     Returns
@@ -544,6 +544,6 @@ def places_of_elements(held: ConstrainedBody) -> FloatArray:
     ndarray, shape (elements, 4)
         From the middle of the contact [m, m, m, rad].
     """
-    mesh, nodes = held.mesh, held.contact_nodes
-    from_there = mesh.p[:, mesh.t].mean(axis=1).T - held.nodes[0][nodes[len(nodes) // 2]]
+    mesh, nodes = body.mesh, body.contact_nodes
+    from_there = mesh.p[:, mesh.t].mean(axis=1).T - body.nodes[0][nodes[len(nodes) // 2]]
     return np.column_stack([from_there, np.hypot(*from_there.T), np.arctan2(*from_there.T)])

@@ -51,8 +51,8 @@ def without_free_strain(
     if not np.any(free_strain):
         return stress
     lam, mu = lame_parameters(material)
-    hindered = (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(stress))
-    return stress - hindered[:, None] * [1.0, 1.0, 1.0, 0.0]
+    restraint = (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(stress))
+    return stress - restraint[:, None] * [1.0, 1.0, 1.0, 0.0]
 
 
 @cache
@@ -94,8 +94,8 @@ def shape_functions(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     first, second = np.array([0, 1, 2]), np.array([1, 2, 0])
     values = np.hstack([corner * (2 * corner - 1), 4 * corner[:, first] * corner[:, second]])
     at_corners = (4 * corner - 1)[..., None] * slope
-    between = 4 * (corner[:, first, None] * slope[second] + corner[:, second, None] * slope[first])
-    return values, np.concatenate([at_corners, between], axis=1)
+    on_edges = 4 * (corner[:, first, None] * slope[second] + corner[:, second, None] * slope[first])
+    return values, np.concatenate([at_corners, on_edges], axis=1)
 
 
 def edge_shapes(t: FloatArray) -> FloatArray:
@@ -171,11 +171,11 @@ def pressure_load(mesh: MeshTri, boundary: str) -> FloatArray:
         return forces
     facets = np.asarray((mesh.boundaries or {})[boundary])
     start, end = mesh.facets[:, facets]
-    along = mesh.p[:, end] - mesh.p[:, start]
+    edge = mesh.p[:, end] - mesh.p[:, start]
     triangle = np.empty(mesh.facets.shape[1], dtype=np.int64)
     triangle[mesh.t2f] = np.arange(mesh.t.shape[1])
     into = mesh.p[:, mesh.t[:, triangle[facets]].sum(axis=0) - start - end] - mesh.p[:, start]
-    normal = np.stack([-along[1], along[0]])
+    normal = np.stack([-edge[1], edge[0]])
     normal *= np.sign((normal * into).sum(axis=0))  # as long as the edge
     r = mesh.p[0]
     for nodes, radius, weight in (
@@ -207,9 +207,9 @@ def thermal_load(mesh: MeshTri, material: Material, strain: FloatArray) -> Float
         At the quadrature points [-].
     """
     lam, mu = lame_parameters(material)
-    spread = strain_matrix(mesh)[..., :3, :].sum(axis=2)  # relative volume of each shape function
+    dilatation = strain_matrix(mesh)[..., :3, :].sum(axis=2)  # relative volume of each shape function
     weight = (3 * lam + 2 * mu) * strain * ring_volume(mesh)
-    local = np.einsum("eqs,eq->se", spread, weight)
+    local = np.einsum("eqs,eq->se", dilatation, weight)
     return np.asarray(np.bincount(element_dofs(mesh).T.ravel(), local.ravel()), dtype=np.float64)
 
 
@@ -283,13 +283,13 @@ class StressRecovery:
         """
         points, triangles = self._nodes
         # the dofs of node i are 2 i and 2 i + 1
-        moved = displacement.reshape(len(points), 2, -1)
-        inside = self._inside @ moved[triangles].reshape(len(triangles), 12, -1)
-        recovered = self._at_nodes(inside.reshape(3 * len(triangles), -1))
+        nodal = displacement.reshape(len(points), 2, -1)
+        strains = self._strain_matrices @ nodal[triangles].reshape(len(triangles), 12, -1)
+        nodal_strains = self._at_nodes(strains.reshape(3 * len(triangles), -1))
         on_axis = points[:, 0] < AXIS * points[:, 0].max()
         radius = np.where(on_axis, 1.0, points[:, 0])[:, None]
-        hoop = np.where(on_axis[:, None], recovered[:, 0], moved[:, 0] / radius)
-        strain = np.stack([recovered[:, 0], recovered[:, 1], hoop, recovered[:, 2]], axis=1)
+        hoop = np.where(on_axis[:, None], nodal_strains[:, 0], nodal[:, 0] / radius)
+        strain = np.stack([nodal_strains[:, 0], nodal_strains[:, 1], hoop, nodal_strains[:, 2]], axis=1)
         stress = elasticity_matrix(self.material) @ strain
         return np.asarray(stress.reshape(len(points), 4, *displacement.shape[1:]))
 
@@ -298,7 +298,7 @@ class StressRecovery:
         return quadratic_nodes(self.mesh)
 
     @cached_property
-    def _inside(self) -> FloatArray:
+    def _strain_matrices(self) -> FloatArray:
         """Strains (rr, zz, g_rz) at the points of every triangle from what moves its nodes [1/m]; (elements, 9, 12)."""
         along_r, along_z = np.moveaxis(shape_gradients(self.mesh, _POINTS), 3, 0)
         strains = np.zeros((*along_r.shape[:2], 3, 6, 2))
@@ -306,15 +306,15 @@ class StressRecovery:
         strains[:, :, 1, :, 1] = strains[:, :, 2, :, 0] = along_z
         return strains.reshape(len(strains), 9, 12)
 
-    def _at_nodes(self, inside: FloatArray) -> FloatArray:
+    def _at_nodes(self, strains: FloatArray) -> FloatArray:
         """Values at the nodes, shape (nodes, 3, k), from those at the points, shape (points, 3 k)."""
         mesh = self.mesh
-        value, along_r, along_z = (self._fit @ inside).reshape(3, mesh.p.shape[1], -1)
+        value, along_r, along_z = (self._fit @ strains).reshape(3, mesh.p.shape[1], -1)
         start, end = mesh.facets
         length_r, length_z = (mesh.p[:, end] - mesh.p[:, start])[..., None]
         # a cubic function with these values and slopes at both ends, in the middle
-        bent = length_r * (along_r[start] - along_r[end]) + length_z * (along_z[start] - along_z[end])
-        nodes = np.concatenate([value, 0.5 * (value[start] + value[end]) + bent / 8])
+        curvature = length_r * (along_r[start] - along_r[end]) + length_z * (along_z[start] - along_z[end])
+        nodes = np.concatenate([value, 0.5 * (value[start] + value[end]) + curvature / 8])
         return nodes.reshape(len(nodes), 3, -1)
 
     @cached_property
@@ -322,30 +322,30 @@ class StressRecovery:
         """Value and slopes [1/m] at every vertex from what stands at the points; (3 vertices, 3 triangles)."""
         mesh = self.mesh
         vertex, element = _patches(mesh)
-        first = np.searchsorted(vertex, np.arange(mesh.p.shape[1]))
+        begin = np.searchsorted(vertex, np.arange(mesh.p.shape[1]))
         corners = np.stack([1 - _POINTS[0] - _POINTS[1], *_POINTS], axis=1)
         places = corners @ mesh.p[:, mesh.t]  # (2, points, elements)
         # take, unlike an index, leaves the many pairs of vertex and triangle side by side in memory
-        apart = places.take(element, axis=2) - mesh.p.take(vertex, axis=1)[:, None]
-        size = np.sqrt(np.maximum.reduceat((apart**2).sum(axis=0).max(axis=0), first))
-        x, y = apart / size[vertex]
+        offset = places.take(element, axis=2) - mesh.p.take(vertex, axis=1)[:, None]
+        size = np.sqrt(np.maximum.reduceat((offset**2).sum(axis=0).max(axis=0), begin))
+        x, y = offset / size[vertex]
         # all x^i y^j up to the fourth degree, summed over each patch, are the entries of its normal equations
         of_x, of_y = (np.stack([np.ones_like(a), a, a * a, a * a * a, a * a * a * a]) for a in (x, y))
         powers = of_x[_POWERS[0]] * of_y[_POWERS[1]]
-        normal = np.add.reduceat(powers.sum(axis=1), first, axis=1)[_PRODUCTS].transpose(2, 0, 1)
+        normal = np.add.reduceat(powers.sum(axis=1), begin, axis=1)[_PRODUCTS].transpose(2, 0, 1)
         normal[:, [3, 4, 5], [3, 4, 5]] += _LINEAR * normal[:, :1, 0]
         weights = np.linalg.solve(normal, np.broadcast_to(np.eye(6)[:, :3], (len(normal), 6, 3))).T
         weights[1:] /= size
         shares = np.einsum("atp,tqp->apq", weights.take(vertex, axis=2), powers[:6])
         columns = 3 * element[:, None] + np.arange(3)
-        starts = np.append(3 * first, columns.size)
+        starts = np.append(3 * begin, columns.size)
         return csr_matrix(
             (
                 shares.ravel(),
                 np.tile(columns.ravel(), 3),
                 np.concatenate([[0], *(starts[1:] + n * columns.size for n in range(3))]),
             ),
-            shape=(3 * len(first), 3 * mesh.nelements),
+            shape=(3 * len(begin), 3 * mesh.nelements),
         )
 
 
@@ -353,7 +353,7 @@ def _patches(mesh: MeshTri) -> tuple[IntArray, IntArray]:
     """Vertices, increasing, and the triangles around each; on the boundary those next to them as well."""
     elements, corner, side = mesh.nelements, mesh.t.ravel(), mesh.t2f.ravel()
     order = np.argsort(corner, kind="stable")
-    vertex, around = corner[order].astype(np.int64), order % elements
+    vertex, triangle = corner[order].astype(np.int64), order % elements
     # both triangles of every edge; on the boundary -1 instead of the second
     by_side = np.argsort(side, kind="stable")
     second = np.append(False, np.diff(side[by_side]) == 0)
@@ -362,8 +362,8 @@ def _patches(mesh: MeshTri) -> tuple[IntArray, IntArray]:
     edge = np.zeros(mesh.p.shape[1], dtype=bool)
     edge[mesh.facets[:, pair[1] < 0]] = True
     outer = edge[vertex]
-    beside = pair[:, mesh.t2f[:, around[outer]]]
-    wider = (vertex[outer] * elements + beside)[beside >= 0]
-    found = np.concatenate([vertex[~outer] * elements + around[~outer], np.unique(wider)])
-    found.sort()
-    return found // elements, found % elements
+    neighbours = pair[:, mesh.t2f[:, triangle[outer]]]
+    wider = (vertex[outer] * elements + neighbours)[neighbours >= 0]
+    pairs = np.concatenate([vertex[~outer] * elements + triangle[~outer], np.unique(wider)])
+    pairs.sort()
+    return pairs // elements, pairs % elements

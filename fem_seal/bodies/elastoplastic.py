@@ -38,12 +38,12 @@ class PlasticState:
     ----------
     strain : ndarray, shape (..., 4)
         Plastic strain (rr, zz, tt, g_rz) [-]; its trace is zero.
-    accumulated : ndarray, shape (...)
+    accumulated_strain : ndarray, shape (...)
         int sqrt(2/3 de_p : de_p) [-], never falling.
     """
 
     strain: FloatArray
-    accumulated: FloatArray
+    accumulated_strain: FloatArray
 
     @classmethod
     def virgin(cls, *shape: int) -> PlasticState:
@@ -74,15 +74,15 @@ class StressUpdate:
 
 
 def radial_return(
-    strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve | HardeningField
+    strain: FloatArray, start: PlasticState, material: Material, hardening: HardeningCurve | HardeningField
 ) -> StressUpdate:
-    """Stress after a step from `before` to a given strain, by one implicit Euler step (radial return).
+    """Stress after a step from `start` to a given strain, by one implicit Euler step (radial return).
 
     Parameters
     ----------
     strain : ndarray, shape (..., 4)
         Whole strain at the end of the step.
-    before : PlasticState
+    start : PlasticState
         At the beginning of the step.
     hardening : HardeningCurve or HardeningField
         One curve for all points, or one for each.
@@ -99,31 +99,30 @@ def radial_return(
     """
     lam, mu = elasticity.lame_parameters(material)
     bulk = lam + 2 * mu / 3
-    trial = (strain - before.strain) @ elasticity.elasticity_matrix(material)
+    trial = (strain - start.strain) @ elasticity.elasticity_matrix(material)
     mean = trial @ _UNIT / 3
     deviator = trial - mean[..., None] * _UNIT
     q = np.sqrt(1.5 * (deviator**2 @ _DOUBLE))
-    yielding = q > (1 + _ROUND_OFF) * hardening.flow_stress(before.accumulated)
-    p = np.where(
-        yielding, hardening.plastic_strain_at(q + 3 * mu * before.accumulated, 3 * mu), before.accumulated
-    )
+    strain_before = start.accumulated_strain
+    yielding = q > (1 + _ROUND_OFF) * hardening.flow_stress(strain_before)
+    p = np.where(yielding, hardening.plastic_strain_at(q + 3 * mu * strain_before, 3 * mu), strain_before)
     # most points of a body stay elastic: the rest is for those that flow
-    flowing = np.asarray(yielding)
-    increment, size = np.asarray(p - before.accumulated)[flowing], np.asarray(q)[flowing]
-    deviator = deviator[flowing]
+    flows = np.asarray(yielding)
+    increment, size = np.asarray(p - strain_before)[flows], np.asarray(q)[flows]
+    deviator = deviator[flows]
     normal = deviator / (np.sqrt(2 / 3) * size)[:, None]  # unit tensor along the flow
     shrink = 3 * mu * increment / size
-    stress, plastic = trial, before.strain.copy()
-    stress[flowing] -= shrink[:, None] * deviator
-    plastic[flowing] += np.sqrt(1.5) * increment[:, None] * normal / _TENSOR
+    stress, plastic = trial, start.strain.copy()
+    stress[flows] -= shrink[:, None] * deviator
+    plastic[flows] += np.sqrt(1.5) * increment[:, None] * normal / _TENSOR
 
     deviatoric = np.diag(_TENSOR) - np.outer(_UNIT, _UNIT) / 3
-    along = 2 * mu * (3 * mu / (3 * mu + np.asarray(hardening.slope(p))[flowing]) - shrink)
-    tangent = np.broadcast_to(elasticity.elasticity_matrix(material), (*flowing.shape, 4, 4)).copy()
-    tangent[flowing] = (
+    normal_modulus = 2 * mu * (3 * mu / (3 * mu + np.asarray(hardening.slope(p))[flows]) - shrink)
+    tangent = np.broadcast_to(elasticity.elasticity_matrix(material), (*flows.shape, 4, 4)).copy()
+    tangent[flows] = (
         bulk * np.outer(_UNIT, _UNIT)
         + (2 * mu * (1 - shrink))[:, None, None] * deviatoric
-        - along[:, None, None] * normal[:, :, None] * normal[:, None, :]
+        - normal_modulus[:, None, None] * normal[:, :, None] * normal[:, None, :]
     )
     return StressUpdate(stress, tangent, PlasticState(plastic, p), yielding)
 
@@ -209,21 +208,21 @@ class ElastoplasticBody:
         return strain.reshape(elements, points, components)
 
     def respond(
-        self, displacement: FloatArray, before: BodyState, free_strain: FloatArray | float = 0.0
+        self, displacement: FloatArray, start: BodyState, free_strain: FloatArray | float = 0.0
     ) -> StressUpdate:
-        """Stress, tangent and state after a step from `before` to a displacement.
+        """Stress, tangent and state after a step from `start` to a displacement.
 
         Parameters
         ----------
         displacement : ndarray, shape (dofs,)
             [m]
-        before : BodyState
+        start : BodyState
         free_strain : ndarray, shape (elements, points), or float
             Strain in all directions that takes no stress at the end of the step, by heat [-].
         """
         strain = self.strain(displacement)
         strain[..., :3] -= np.broadcast_to(free_strain, strain.shape[:2])[..., None]
-        return radial_return(strain, before.plastic, self.material, self.hardening)
+        return radial_return(strain, start.plastic, self.material, self.hardening)
 
     def restraint_stress(self, free_strain: FloatArray | float) -> FloatArray:
         """Stress that would keep the elastic body from a free strain, as a size [Pa]; shape (elements, points, 4)."""
@@ -234,8 +233,8 @@ class ElastoplasticBody:
     def internal_forces(self, stress: FloatArray) -> FloatArray:
         """int sigma : epsilon(v) 2 pi r dr dz of every test function [N]; shape (dofs,)."""
         shapes = self.strain_shapes
-        weighted = (self.weight[..., None] * stress).reshape(len(shapes), 1, -1)
-        local = (weighted @ shapes.reshape(len(shapes), -1, shapes.shape[-1]))[:, 0]
+        volume_stress = (self.weight[..., None] * stress).reshape(len(shapes), 1, -1)
+        local = (volume_stress @ shapes.reshape(len(shapes), -1, shapes.shape[-1]))[:, 0]
         forces = np.bincount(self._dofs.ravel(), local.ravel())
         return np.asarray(forces, dtype=np.float64)
 

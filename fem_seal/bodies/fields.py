@@ -89,7 +89,7 @@ class ElastoplasticField(BodyField):
 
 
 def body_field(
-    held: ConstrainedBody,
+    body: ConstrainedBody,
     displacement: FloatArray,
     stress: FloatArray,
     contact: PressureProfile | None = None,
@@ -108,26 +108,26 @@ def body_field(
     temperature : ndarray, shape (n,), or float, optional
         At the nodes, or all over [K].
     """
-    points, triangles = held.nodes
+    points, triangles = body.nodes
     pressure = np.zeros(len(points))
     if contact is not None:
         with np.errstate(under="ignore"):
-            pressure[held.contact_nodes] = np.interp(held.contact_x, contact.x, contact.pressure)
+            pressure[body.contact_nodes] = np.interp(body.contact_x, contact.x, contact.pressure)
     return BodyField(
-        held.name,
+        body.name,
         points,
         triangles,
-        displacement[node_dofs(held.mesh)].T,
+        displacement[node_dofs(body.mesh)].T,
         stress,
-        held.contact_nodes,
-        held.contact_x,
+        body.contact_nodes,
+        body.contact_x,
         pressure,
         temperature=None if temperature is None else np.broadcast_to(temperature, len(points)),
     )
 
 
 def elastoplastic_field(
-    held: ConstrainedBody,
+    body: ConstrainedBody,
     solid: ElastoplasticBody,
     state: BodyState,
     contact: PressureProfile | None = None,
@@ -147,8 +147,8 @@ def elastoplastic_field(
 
     stress = solid.nodal_average @ state.stress.reshape(-1, 4)
     return ElastoplasticField(
-        **vars(body_field(held, held.counted(state.displacement), stress, contact, temperature)),
+        **vars(body_field(body, body.remove_rigid_motion(state.displacement), stress, contact, temperature)),
         equivalent_stress=at_nodes(von_mises(state.stress)),
         plastic_strain=solid.nodal_average @ state.plastic.strain.reshape(-1, 4),
-        accumulated_plastic_strain=at_nodes(state.plastic.accumulated),
+        accumulated_plastic_strain=at_nodes(state.plastic.accumulated_strain),
     )

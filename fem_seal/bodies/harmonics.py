@@ -27,8 +27,8 @@ from fem_seal.processes import single_threaded
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-# Compliances of so many bytes are kept: of all harmonics anybody asks for, unless the contact line is very fine.
-_KEPT = 100e6
+# Size of the cache of compliances [bytes]: enough for all harmonics, unless the contact line is very fine.
+_CACHE_SIZE = 100e6
 
 
 def harmonic_dofs(mesh: MeshTri) -> IntArray:
@@ -69,8 +69,8 @@ def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, F
     def element(left: FloatArray, right: FloatArray) -> FloatArray:
         return elasticity.contract(left, elasticity.ring_volume(mesh)[..., None, None] * (D @ right))
 
-    mixed = element(constant, linear)
-    return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)
+    cross = element(constant, linear)
+    return element(constant, constant), cross + cross.transpose(0, 2, 1), element(linear, linear)
 
 
 def harmonic_element_dofs(mesh: MeshTri) -> IntArray:
@@ -86,7 +86,7 @@ class HarmonicBody:
 
     Parameters
     ----------
-    held : ConstrainedBody
+    fem : ConstrainedBody
         The body with its contact line and supports.
 
     Notes
@@ -100,13 +100,13 @@ class HarmonicBody:
     guide is infinitely stiff.
     """
 
-    held: ConstrainedBody
-    _known: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    fem: ConstrainedBody
+    _compliances: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def stiffness(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """K0, K1 and K2 of each element [N/m], see `harmonic_stiffness`."""
-        return harmonic_stiffness(self.held.mesh, self.held.material)
+        return harmonic_stiffness(self.fem.mesh, self.fem.material)
 
     def compliance(self, n: int) -> FloatArray:
         """Retreat of the contact nodes along the normal under normal forces at them that wave n times [m/N].
@@ -129,12 +129,12 @@ class HarmonicBody:
         """
         if n < 1 or n != int(n):
             raise ValueError(f"{n} waves around the axis: a whole number from 1 on is needed")
-        if n not in self._known:
+        if n not in self._compliances:
             compliance = self._factorise(int(n))
-            while self._known and (len(self._known) + 1) * compliance.nbytes > _KEPT:
-                self._known.pop(next(iter(self._known)))
-            self._known[n] = compliance
-        return self._known[n]
+            while self._compliances and (len(self._compliances) + 1) * compliance.nbytes > _CACHE_SIZE:
+                self._compliances.pop(next(iter(self._compliances)))
+            self._compliances[n] = compliance
+        return self._compliances[n]
 
     def opening(self, n: int, point_forces: FloatArray) -> FloatArray:
         """How far the surface moves away from the other body at phi = 0 under forces times cos n phi [m], shape (m,).
@@ -152,26 +152,26 @@ class HarmonicBody:
         ValueError
             If n is not a whole number from 1 on.
         """
-        trace = self.held.trace
+        trace = self.fem.trace
         return np.asarray(trace @ (self.compliance(n) @ (trace.T @ point_forces)))
 
     def stiffer(self, factor: float) -> HarmonicBody:
-        """The same body with another Young's modulus; what is known of this one need not be calculated again.
+        """The same body with another Young's modulus, whose compliances follow from those of this one.
 
         Parameters
         ----------
         factor : float
             Ratio of the moduli.
         """
-        return _StifferBody(self.held, self, factor)
+        return _StifferBody(self.fem, self, factor)
 
     @single_threaded
     def _factorise(self, n: int) -> FloatArray:
-        return (_HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided).compliance(n, self)
+        return (_Supports.of(self, guided=True) if n == 1 else self._other_supports).compliance(n, self)
 
     @cached_property
-    def _unguided(self) -> _HeldHarmonics:
-        return _HeldHarmonics.of(self, guided=False)
+    def _other_supports(self) -> _Supports:
+        return _Supports.of(self, guided=False)
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ class _StifferBody(HarmonicBody):
 
 
 @dataclass(frozen=True)
-class _HeldHarmonics:
+class _Supports:
     """A body with the supports of the first harmonic, or of all others.
 
     Parameters
@@ -204,47 +204,47 @@ class _HeldHarmonics:
     places: IntArray
 
     @classmethod
-    def of(cls, body: HarmonicBody, guided: bool) -> _HeldHarmonics:
+    def of(cls, body: HarmonicBody, guided: bool) -> _Supports:
         """With the supports of the first harmonic, or of all others."""
-        held, dofs = body.held, harmonic_dofs(body.held.mesh)
-        radius = held.nodes[0][:, 0]
-        radial, axial, around = dofs[:, radius <= elasticity.AXIS * radius.max()]
+        fem, dofs = body.fem, harmonic_dofs(body.fem.mesh)
+        radius = fem.nodes[0][:, 0]
+        radial, axial, circumferential = dofs[:, radius <= elasticity.AXIS * radius.max()]
         sign = np.ones(dofs.size)
-        fixed = [axial, around]
-        if held.name == "seat":
-            fixed.append(np.setdiff1d(np.arange(held.size), held.free))
+        fixed_dofs = [axial, circumferential]
+        if fem.name == "seat":
+            fixed_dofs.append(np.setdiff1d(np.arange(fem.size), fem.free))
         if guided:
-            stand = "closure_top" if held.name == "closure" else "seat_bottom"
-            on_stand = np.isin(dofs[0], elasticity.boundary_dofs(held.mesh, stand, 0))
-            fixed.append(dofs[:, on_stand].ravel())
+            stand = "closure_top" if fem.name == "closure" else "seat_bottom"
+            on_stand = np.isin(dofs[0], elasticity.boundary_dofs(fem.mesh, stand, 0))
+            fixed_dofs.append(dofs[:, on_stand].ravel())
         else:
-            fixed.append(radial)
-        free = np.setdiff1d(np.arange(dofs.size), np.concatenate(fixed))
+            fixed_dofs.append(radial)
+        free = np.setdiff1d(np.arange(dofs.size), np.concatenate(fixed_dofs))
         number = np.full(dofs.size, -1)
         number[free] = np.arange(len(free))
         if guided:
             # On the axis u_phi = -u_r: a shift along x is u_r = cos phi, u_phi = -sin phi.
-            number[around], sign[around] = number[radial], -1.0
-        on_line, shapes = number[held.contact_dofs].ravel(), harmonic_element_dofs(held.mesh)
+            number[circumferential], sign[circumferential] = number[radial], -1.0
+        on_line, shapes = number[fem.contact_dofs].ravel(), harmonic_element_dofs(fem.mesh)
         places = np.flatnonzero(on_line >= 0)
         parts = Dissection.of(
             number[shapes],
-            places_of_elements(held),
+            places_of_elements(fem),
             on_line[places],
             len(free),
             body.stiffness[0],
-            held.mesh.t.T,  # halves that share few vertices share few nodes
+            fem.mesh.t.T,  # halves that share few vertices share few nodes
         )
         return cls(parts, sign[shapes], places)
 
-    # told which body, which it does not hold: the body holds it
+    # the body is an argument, not a field, since it keeps this object
     def compliance(self, n: int, body: HarmonicBody) -> FloatArray:
         """Retreat of the contact nodes along the normal under normal forces at them [m/N], shape (nodes, nodes)."""
         (k0, k1, k2), sign = body.stiffness, self.sign
         stiffness = sign[:, :, None] * (k0 + n * k1 + n**2 * k2) * sign[:, None, :]
-        inverse, _ = replace(self.dissection, elastic=stiffness).unchanged()
-        normal = body.held.normal
-        moved = np.zeros((normal.size, normal.size))
-        moved[np.ix_(self.places, self.places)] = inverse
-        along = normal.ravel()[:, None] * moved * normal.ravel()
-        return along.reshape(*normal.shape, *normal.shape).sum(axis=(0, 2))
+        inverse, _ = replace(self.dissection, elastic=stiffness).condense_elastic()
+        normal = body.fem.normal
+        nodal = np.zeros((normal.size, normal.size))
+        nodal[np.ix_(self.places, self.places)] = inverse
+        projected = normal.ravel()[:, None] * nodal * normal.ravel()
+        return projected.reshape(*normal.shape, *normal.shape).sum(axis=(0, 2))

@@ -46,7 +46,7 @@ class StressBound:
 
     @classmethod
     def of(cls, body: CondensedBody, area_weight: FloatArray) -> StressBound:
-        """Take the stress of a body apart; takes as long as the fields of some twenty loads.
+        """Stress of a body under each spline; takes as long as the fields of some twenty loads.
 
         Parameters
         ----------
@@ -61,8 +61,8 @@ class StressBound:
         patterns = BSpline.design_matrix(np.linspace(0.0, 1.0, count), knots, 3).toarray()
         assert body.solve is not None  # of a model that knows more than its contact line
         # that a floating body also moves along its axis makes no stress
-        moved = body.solve(np.column_stack([body.held.nodal_forces(area_weight * one) for one in patterns.T]))
-        stress = body.recovery.stress(moved)
+        forces = [body.fem.nodal_forces(area_weight * pattern) for pattern in patterns.T]
+        stress = body.recovery.stress(body.solve(np.column_stack(forces)))
         further = {
             name: body.recovery.stress(load.response).T
             for name, load in body.loads.items()
@@ -88,8 +88,8 @@ class StressBound:
         """
         if not magnitudes:
             # the stress of a sum is at most the sum of the stresses: mostly that is enough
-            shares, rest = self._shares(pressure)
-            if float(np.abs(shares) @ self.alone) + _OF_THE_REST * rest < stress:
+            shares, remainder = self._shares(pressure)
+            if float(np.abs(shares) @ self.alone) + _OF_THE_REST * remainder < stress:
                 return True
         return stress > self.highest_von_mises(pressure, magnitudes)
 
@@ -110,8 +110,8 @@ class StressBound:
         """
         if not magnitudes.keys() <= self.further.keys():
             return np.inf
-        shares, rest = self._shares(pressure)
+        shares, remainder = self._shares(pressure)
         stress = np.asarray(self.stress @ shares.astype(np.float32), dtype=float)
         for name, size in magnitudes.items():
             stress += size * self.further[name]
-        return float(von_mises(stress.T).max()) + _OF_THE_REST * rest
+        return float(von_mises(stress.T).max()) + _OF_THE_REST * remainder

@@ -16,7 +16,7 @@ from fem_seal.case.shapes import Body, Closure, Gasket, HeldSeat
 from fem_seal.case.words import problem
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
-from leak.extras import needed
+from leak.extras import say_missing
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
 from meshes.drawings.halved import profile_of
 from meshes.errors import mm
@@ -108,7 +108,7 @@ def _read(
     **curve: Any,
 ) -> Shape | GeometryError:
     if path.suffix.lower() == ".dxf" and find_spec("ezdxf") is None:
-        remedy = needed("drawings", ImportError(name="ezdxf"))
+        remedy = say_missing("drawings", ImportError(name="ezdxf"))
         return GeometryError(f'{name} file = "{path.name}": reading it {remedy}')
     try:
         both: dict[str, Any] = {"axis": axis, "time_limit": time_limit}

@@ -511,10 +511,10 @@ def _explain_error(error: Exception) -> tuple[int, str]:
     if is_own or isinstance(error, SealError):
         return OTHER_FAILURE, str(error)
     if isinstance(error, ImportError):
-        from leak.extras import extra_with, needed
+        from leak.extras import extra_with, say_missing
 
         if extra := extra_with(error.name):
-            return WRONG_INPUT, f"this {needed(extra, error)}"
+            return WRONG_INPUT, f"this {say_missing(extra, error)}"
     if isinstance(error, OSError):
         return OTHER_FAILURE, _system_message(error)
     return OTHER_FAILURE, defect_text(error)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 # Waves up to which the bodies are asked to every harmonic.
-_EACH = 6
+_ALL_UP_TO = 6
 
 
 @dataclass(frozen=True)
@@ -50,15 +50,15 @@ class Stiffening:
         Harmonic beyond which the bodies are taken to answer as half-spaces do, from what they answer to this one.
     period : int
         Of the harmonics that may be asked for: multiples of it.
-    known : dict
-        What the bodies answer to each harmonic, as far as it has been asked for, see `LocalContact.opened`.
+    openings : dict
+        What the bodies answer to each harmonic, as far as it has been asked for, see `LocalContact.openings`.
     """
 
     model: ContactModel
     pressure: FloatArray = field(repr=False)
     highest: int
     period: int = 1
-    known: dict[int, FloatArray] = field(default_factory=dict, repr=False)
+    openings: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     def __call__(self, n: int) -> float:
         """c_n - c_0 [m per N/m]; of n = 1 that of a guided closure.
@@ -82,9 +82,9 @@ class Stiffening:
 
     def _answer(self, n: int) -> FloatArray:
         """By how much c_n - c_0 differs from that of half-spaces, and the bend over n."""
-        return self._between(-(n**-0.5)) if n > 1 and n not in self._asked else self._own(n)
+        return self._spline(-(n**-0.5)) if n > 1 and n not in self._harmonics else self._ask_bodies(n)
 
-    def _own(self, n: int) -> FloatArray:
+    def _ask_bodies(self, n: int) -> FloatArray:
         """The same as the bodies answer it."""
         forces, opening, x = self._forces, self._opening(n), self.model.line.x
         share = forces / forces.sum()
@@ -94,31 +94,31 @@ class Stiffening:
         return np.array([share @ opening - self._half_spaces(n), bend / n])
 
     @cached_property
-    def _asked(self) -> list[int]:
+    def _harmonics(self) -> list[int]:
         """Harmonics from the second on to which the bodies are asked: all up to 6, then half as many waves again.
 
         How they differ from half-spaces is a smooth function of n. A spline over n^(-1/2) between these leaves 2e-5 of
         c_n, and 1e-3 where a body is a slender ring, which bends like 1/(n^2 - 1)^2.
         """
-        found = [max(2, self.period)]
-        while found[-1] < self.highest:
-            half = found[-1] // (2 * self.period) if found[-1] >= _EACH else 1
-            found.append(min(found[-1] + max(1, half) * self.period, self.highest))
-        return found
+        harmonics = [max(2, self.period)]
+        while harmonics[-1] < self.highest:
+            half = harmonics[-1] // (2 * self.period) if harmonics[-1] >= _ALL_UP_TO else 1
+            harmonics.append(min(harmonics[-1] + max(1, half) * self.period, self.highest))
+        return harmonics
 
     @cached_property
-    def _between(self) -> CubicSpline:
+    def _spline(self) -> CubicSpline:
         from scipy.interpolate import CubicSpline
 
-        return CubicSpline(-(np.array(self._asked) ** -0.5), [self._own(n) for n in self._asked])
+        return CubicSpline(-(np.array(self._harmonics) ** -0.5), list(map(self._ask_bodies, self._harmonics)))
 
     def _opening(self, n: int) -> FloatArray:
         """By how much more the gap opens under the n-th harmonic than under an even line load [m per N/m]."""
-        if n not in self.known:
+        if n not in self.openings:
             model, forces = self.model, self._forces
             of_bodies = (harmonic.opening(n, forces) for harmonic in model.harmonics)
-            self.known[n] = sum(of_bodies, -(model.compliance @ forces))
-        return self.known[n]
+            self.openings[n] = sum(of_bodies, -(model.compliance @ forces))
+        return self.openings[n]
 
     @cached_property
     def _forces(self) -> FloatArray:
@@ -149,9 +149,9 @@ _OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 # Where the line load falls, one step lets it fall by this many e-folds at most.
 _FALL = 5.0
 # Relative residual of the linear equations, and the most products to get there.
-_SOLVED, _MOST_PRODUCTS = 1e-7, 400
+_LINEAR_TOLERANCE, _MOST_PRODUCTS = 1e-7, 400
 # Least line load over the mean that is followed in its logarithm.
-_LEAST = 1e-60
+_LEAST_LOAD = 1e-60
 
 
 def line_load_around(
@@ -194,47 +194,47 @@ def line_load_around(
     ConvergenceError
     """
     ring = _Ring.of(len(gap), stiffening, symmetry, guided)
-    ways = (_in_line_loads,) if local.opens else (_in_logarithms, _in_line_loads)
-    even = np.full(len(gap), mean)
-    refused: list[ConvergenceError] = []
+    ways = (_solve_in_line_loads,) if local.opens else (_solve_in_logarithms, _solve_in_line_loads)
+    even_load = np.full(len(gap), mean)
+    failures: list[ConvergenceError] = []
 
-    def tried(iterate: Iteration, share: float, begin: FloatArray) -> Found | None:
+    def attempt(iterate: Iteration, share: float, begin: FloatArray) -> Solution | None:
         try:
-            return iterate(_Sought(local, ring, share * gap, mean), begin)
+            return iterate(_Problem(local, ring, share * gap, mean), begin)
         except ConvergenceError as error:
             # it asks for a contact that cannot be solved
-            refused.append(error)
+            failures.append(error)
             return None
 
     for iterate in ways:
-        found = tried(iterate, 1.0, even if start is None else start)
-        found = _put_on(partial(tried, iterate), even) if found is None else found
-        if found is not None:
-            return found
-    why = f": {refused[0]}" if refused else "; make it smaller, or its waves longer"
+        solution = attempt(iterate, 1.0, even_load if start is None else start)
+        solution = _put_on(partial(attempt, iterate), even_load) if solution is None else solution
+        if solution is not None:
+            return solution
+    why = f": {failures[0]}" if failures else "; make it smaller, or its waves longer"
     raise ConvergenceError(
         f"the line load around the axis was not found for a form error of {1e6 * float(np.ptp(gap)):.4g} um from the "
         f"narrowest to the widest gap{why}"
     )
 
 
-Found = tuple[FloatArray, FloatArray]
-Iteration = Callable[["_Sought", FloatArray], Found | None]
+Solution = tuple[FloatArray, FloatArray]
+Iteration = Callable[["_Problem", FloatArray], Solution | None]
 
 
-def _put_on(tried: Callable[[float, FloatArray], Found | None], start: FloatArray) -> Found | None:
+def _put_on(attempt: Callable[[float, FloatArray], Solution | None], start: FloatArray) -> Solution | None:
     """The form error put on share by share, each from where the one before it ended; None if that fails."""
-    share, step, found = 0.0, _FIRST_SHARE, None
+    share, step, solution = 0.0, _FIRST_SHARE, None
     while share < 1.0:
         aim = min(share + step, 1.0)
-        there = tried(aim, start if found is None else found[0])
-        if there is None:
+        next_solution = attempt(aim, start if solution is None else solution[0])
+        if next_solution is None:
             step /= 2
             if step < _LEAST_SHARE:
                 return None
         else:
-            share, step, found = aim, step * _GROWS, there
-    return found
+            share, step, solution = aim, step * _GROWS, next_solution
+    return solution
 
 
 @dataclass(frozen=True)
@@ -267,14 +267,14 @@ class _Ring:
         """By how much less the bodies open at each angle than under a load that is even there [m]."""
         return np.fft.irfft(self.stiffening * np.fft.rfft(line_load), line_load.shape[-1])
 
-    def missing(self, line_load: FloatArray, mean: float) -> FloatArray:
+    def missing_resultants(self, line_load: FloatArray, mean: float) -> FloatArray:
         """What a line load lacks of the given resultants [N/m]: its mean, and of a free closure no first harmonic."""
-        given = np.zeros(len(self.rigid))
-        given[0] = mean
-        return given - self.rigid @ line_load / line_load.shape[-1]
+        resultants = np.zeros(len(self.rigid))
+        resultants[0] = mean
+        return resultants - self.rigid @ line_load / line_load.shape[-1]
 
     def step(
-        self, tangent: FloatArray, off: FloatArray, missing: FloatArray
+        self, tangent: FloatArray, residual: FloatArray, missing: FloatArray
     ) -> tuple[FloatArray, FloatArray] | None:
         """Change y of the line load and s of the rigid motion: y + t (C y - s) = off, with y's resultants given.
 
@@ -285,7 +285,7 @@ class _Ring:
         ----------
         tangent : ndarray, shape (m,)
             t = df/dD [N/m^2], zero where smooth surfaces are apart.
-        off : ndarray, shape (m,)
+        residual : ndarray, shape (m,)
             [N/m]
         missing : ndarray
             Resultants of y, see `missing`.
@@ -297,18 +297,18 @@ class _Ring:
             (len(w), len(w)), lambda q: q + w * self.opening(w * q.ravel()), dtype=float
         )
         answers = []
-        for right in (-w * self.opening(off), *(w * self.rigid)):
-            q, failed = minres(operator, right, rtol=_SOLVED, maxiter=_MOST_PRODUCTS)
-            if failed:
+        for rhs in (-w * self.opening(residual), *(w * self.rigid)):
+            q, info = minres(operator, rhs, rtol=_LINEAR_TOLERANCE, maxiter=_MOST_PRODUCTS)
+            if info:
                 return None
             answers.append(w * q)
-        own, by_motion = off + answers[0], np.array(answers[1:])
+        by_residual, by_motion = residual + answers[0], np.array(answers[1:])
         resultants = self.rigid @ by_motion.T / len(w)
-        size = np.linalg.solve(resultants, missing - self.rigid @ own / len(w))
-        return own + size @ by_motion, size @ self.rigid
+        size = np.linalg.solve(resultants, missing - self.rigid @ by_residual / len(w))
+        return by_residual + size @ by_motion, size @ self.rigid
 
 
-class _Sought(NamedTuple):
+class _Problem(NamedTuple):
     """What is to be solved: the line load of contacts around a ring that closes a gap's change, of a given mean."""
 
     local: LocalContact
@@ -317,34 +317,34 @@ class _Sought(NamedTuple):
     mean: float
 
 
-def _in_logarithms(sought: _Sought, start: FloatArray) -> Found | None:
+def _solve_in_logarithms(problem: _Problem, start: FloatArray) -> Solution | None:
     """Newton's method in ln f, for a contact that never opens; None if it does not converge.
 
     Where the line load rises, a step is taken as log(1 + dv), so that the exponential cannot run away.
     """
-    local, ring, gap, mean = sought
+    local, ring, gap, mean = problem
     v = np.log(start)
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
     for _ in range(_MAX_STEPS):
         f = np.exp(v)
-        if f.min() < _LEAST * mean:
+        if f.min() < _LEAST_LOAD * mean:
             return None
         approach, decay = local.approach(f)
         residual = motion - ring.opening(f) - gap - approach
-        missing = ring.missing(f, mean)
-        if np.max(np.abs(residual) / decay) < _TOLERANCE and np.max(np.abs(missing)) < _TOLERANCE * mean:
+        missing_load = ring.missing_resultants(f, mean)
+        if np.max(np.abs(residual) / decay) < _TOLERANCE and np.max(np.abs(missing_load)) < _TOLERANCE * mean:
             return f, approach
         tangent = f / decay
-        change = ring.step(tangent, tangent * residual, missing)
+        change = ring.step(tangent, tangent * residual, missing_load)
         if change is None:
             return None
-        y, moved = change
-        step = (residual + moved - ring.opening(y)) / decay
+        y, rigid_step = change
+        step = (residual + rigid_step - ring.opening(y)) / decay
         if not np.isfinite(step).all():
             return None
         step = np.where(step > 0, np.log1p(np.maximum(step, 0.0)), np.maximum(step, -_FALL))
         share = _solvable(local, v, step)
-        v, motion = v + share * step, motion + share * moved
+        v, motion = v + share * step, motion + share * rigid_step
     return None
 
 
@@ -361,18 +361,18 @@ def _solvable(local: LocalContact, v: FloatArray, step: FloatArray) -> float:
     return share
 
 
-def _in_line_loads(sought: _Sought, start: FloatArray) -> Found | None:
+def _solve_in_line_loads(problem: _Problem, start: FloatArray) -> Solution | None:
     """Newton's method for a line load that may be nothing at some places; None if it fails."""
-    local, ring, gap, mean = sought
+    local, ring, gap, mean = problem
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
-    here = _Balance.of(sought, start, motion)
+    balance = _Balance.of(problem, start, motion)
     for _ in range(_MAX_STEPS):
-        if here.off_by < _TOLERANCE * mean:
-            return here.line_load, here.approach
-        change = ring.step(here.tangent, here.off, ring.missing(here.guess, mean))
+        if balance.largest_residual < _TOLERANCE * mean:
+            return balance.line_load, balance.approach
+        change = ring.step(balance.tangent, balance.residual, ring.missing_resultants(balance.guess, mean))
         if change is None or not (np.isfinite(change[0]).all() and np.isfinite(change[1]).all()):
             return None
-        here = here.after(*change, sought)
+        balance = balance.advance(*change, problem)
     return None
 
 
@@ -389,8 +389,8 @@ class _Balance:
     """What the guess lacks of the given resultants [N/m]."""
 
     @classmethod
-    def of(cls, sought: _Sought, guess: FloatArray, motion: FloatArray) -> _Balance:
-        local, ring, gap, mean = sought
+    def of(cls, problem: _Problem, guess: FloatArray, motion: FloatArray) -> _Balance:
+        local, ring, gap, mean = problem
         approach = motion - ring.opening(guess) - gap
         with np.errstate(over="ignore"):
             line_load, tangent = local.line_load(approach)
@@ -398,37 +398,37 @@ class _Balance:
             raise ConvergenceError(
                 "it leads to line loads without bounds; make it smaller, or its waves longer"
             )
-        lacks = float(np.abs(ring.missing(guess, mean)).max())
+        lacks = float(np.abs(ring.missing_resultants(guess, mean)).max())
         return cls(guess, motion, approach, line_load, tangent, lacks)
 
     @property
-    def off(self) -> FloatArray:
+    def residual(self) -> FloatArray:
         return self.line_load - self.guess
 
     @property
-    def off_by(self) -> float:
-        return float(np.max(np.abs(self.off)))
+    def largest_residual(self) -> float:
+        return float(np.max(np.abs(self.residual)))
 
     @property
     def merit(self) -> float:
         """How far it is from balance [N/m]: root of the mean square, which a short step makes less."""
-        worst = max(self.off_by, 1e-300)
-        return math.hypot(worst * math.sqrt(np.mean((self.off / worst) ** 2)), self.lacks)
+        worst = max(self.largest_residual, 1e-300)
+        return math.hypot(worst * math.sqrt(np.mean((self.residual / worst) ** 2)), self.lacks)
 
-    def after(self, change: FloatArray, moved: FloatArray, sought: _Sought) -> _Balance:
+    def advance(self, change: FloatArray, rigid_step: FloatArray, problem: _Problem) -> _Balance:
         """The balance after a step, or after the share of it that leads nearer."""
-        best, refused = None, None
+        best, failure = None, None
         for share in _OF_STEP:
             try:
-                one = _Balance.of(sought, self.guess + share * change, self.motion + share * moved)
+                balance = _Balance.of(problem, self.guess + share * change, self.motion + share * rigid_step)
             except ConvergenceError as error:
-                refused = error
+                failure = error
                 continue
-            if one.merit < self.merit:
-                return one
-            if best is None or one.merit < best.merit:
-                best = one
+            if balance.merit < self.merit:
+                return balance
+            if best is None or balance.merit < best.merit:
+                best = balance
         if best is None:
-            assert refused is not None  # of every share
-            raise refused
+            assert failure is not None  # of every share
+            raise failure
         return best

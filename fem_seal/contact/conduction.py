@@ -72,13 +72,13 @@ class Surroundings:
         "inner", "outer", "top", "bottom", "wall": those that are missing are insulated. At least one.
     conductance : float or None
         Of the contact [W/(m^2 K)]; None where it is perfect, both faces having the same temperature.
-    touching : tuple of float
+    contact_range : tuple of float
         Arc lengths from first touch between which the bodies touch [m].
     """
 
     faces: Mapping[str, Face]
     conductance: float | None
-    touching: tuple[float, float]
+    contact_range: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -93,14 +93,14 @@ class TemperatureField:
         Temperature of the faces of both where they touch, in the mean [K].
     heat : mapping
         Heat that flows into the seal through each face [W].
-    across : float
+    contact_heat : float
         Heat that flows from closure to seat where they touch [W].
     """
 
     nodes: Mapping[str, FloatArray] = field(repr=False)
     faces: Mapping[str, float]
     heat: Mapping[str, float]
-    across: float
+    contact_heat: float
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ class _Body:
             conductivity = self.material.conductivity(at_quadrature_points(self.mesh, temperature))
         except InputError as error:
             raise InputError(
-                *(replace(one, key=f"{self.name}: {one.key}") for one in error.problems)
+                *(replace(problem, key=f"{self.name}: {problem.key}") for problem in error.problems)
             ) from None
         slopes = shape_gradients(self.mesh, quadrature()[0])
         weight = conductivity * ring_volume(self.mesh)
@@ -142,9 +142,9 @@ class _Body:
         """int 2 pi r T v over a face [m^2]; zero where the body has no such face."""
         facets = (self.mesh.boundaries or {}).get(f"{self.name}_{face}", np.zeros(0, dtype=np.int64))
         (start, end), p = self.mesh.facets[:, facets], self.mesh.p
-        along, weights = 0.5 + 0.5 * _GAUSS[0], 0.5 * _GAUSS[1]
-        shapes = edge_shapes(along)
-        radius = p[0, start, None] + (p[0, end] - p[0, start])[:, None] * along
+        shares, weights = 0.5 + 0.5 * _GAUSS[0], 0.5 * _GAUSS[1]
+        shapes = edge_shapes(shares)
+        radius = p[0, start, None] + (p[0, end] - p[0, start])[:, None] * shares
         area = 2 * np.pi * radius * np.hypot(*(p[:, end] - p[:, start]))[:, None] * weights
         local = np.einsum("eq,iq,jq->eij", area, shapes, shapes)
         return assemble_elements(
@@ -153,8 +153,8 @@ class _Body:
 
     def nodes(self, face: str) -> NDArray[np.int64]:
         """Of a face, if the body has it."""
-        known = f"{self.name}_{face}" in (self.mesh.boundaries or {})
-        return boundary_nodes(self.mesh, f"{self.name}_{face}") if known else np.zeros(0, dtype=np.int64)
+        has_face = f"{self.name}_{face}" in (self.mesh.boundaries or {})
+        return boundary_nodes(self.mesh, f"{self.name}_{face}") if has_face else np.zeros(0, dtype=np.int64)
 
 
 @single_threaded
@@ -189,9 +189,9 @@ def conduct(
     tables = [material.table("thermal_conductivity") for material in materials.values()]
     steps = _MOST_STEPS if any(table is not None and table.changes for table in tables) else 1
     for _ in range(steps):
-        before, temperature = temperature, system.solved(temperature)
-        if steps == 1 or np.abs(temperature - before).max() < _SAME:
-            return system.field(temperature, before)
+        last_temperature, temperature = temperature, system.solve(temperature)
+        if steps == 1 or np.abs(temperature - last_temperature).max() < _SAME:
+            return system.field(temperature, last_temperature)
     raise ConvergenceError(
         "heat conduction: conductivities that depend on the temperature leave no steady one; give them as numbers"
     )
@@ -205,8 +205,8 @@ class _System:
     surroundings: Surroundings
     films: Mapping[str, csc_matrix]
     contact: csc_matrix
-    touching: FloatArray
-    held: Mapping[str, NDArray[np.int64]]
+    contact_weight: FloatArray
+    fixed_nodes: Mapping[str, NDArray[np.int64]]
 
     @classmethod
     def of(
@@ -219,21 +219,21 @@ class _System:
     ) -> _System:
         closure, seat = (_Body.of(name, seal_mesh, materials[name], x) for name in BODIES)
         bodies = closure, seat
-        low, high = surroundings.touching
-        touches = (x > low) & (x < high)
+        begin, end = surroundings.contact_range
+        touches = (x > begin) & (x < end)
         # a contact narrower than an element is at least the point next to first touch
         touches |= np.abs(x) == np.abs(x).min()
         weight = np.where(touches, area_weight, 0.0)
         # beside the contact the line is a wetted face of either side
-        beside = {"inner": (x < 0) & ~touches, "outer": (x > 0) & ~touches}
+        sides = {"inner": (x < 0) & ~touches, "outer": (x > 0) & ~touches}
         films = {
-            name: _film(bodies, name, np.where(beside[name], area_weight, 0.0) if name in beside else None)
+            name: _film(bodies, name, np.where(sides[name], area_weight, 0.0) if name in sides else None)
             for name in surroundings.faces
         }
         conductance = surroundings.conductance
         if conductance is None:
             size = np.diff(np.sort(x)).min()
-            conductance = _PERFECT * max(one.largest_conductivity for one in materials.values()) / size
+            conductance = _PERFECT * max(solid.largest_conductivity for solid in materials.values()) / size
         jump = bmat([[closure.trace, -seat.trace]]).tocsr()
         contact = csc_matrix(conductance * (jump.T @ jump.multiply(weight[:, None])))
         return cls(bodies, surroundings, films, contact, weight, _nodes_at_temperature(bodies, surroundings))
@@ -243,48 +243,48 @@ class _System:
         return sum(body.size for body in self.bodies)
 
     def split(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        first = self.bodies[0].size
-        return values[:first], values[first:]
+        count = self.bodies[0].size
+        return values[:count], values[count:]
 
     def conduction(self, temperature: FloatArray) -> csc_matrix:
         parts = [body.conduction(T) for body, T in zip(self.bodies, self.split(temperature), strict=True)]
         return csc_matrix(block_diag(parts) + self.contact)
 
-    def entering(self, name: str, temperature: FloatArray) -> FloatArray:
+    def entering_heat(self, name: str, temperature: FloatArray) -> FloatArray:
         """Heat that enters each node through a face with a heat transfer coefficient [W]."""
         face = self.surroundings.faces[name]
         film = self.films[name] * (face.heat_transfer or 0.0)
         return np.asarray(film @ (face.temperature - temperature))
 
-    def solved(self, temperature: FloatArray) -> FloatArray:
+    def solve(self, temperature: FloatArray) -> FloatArray:
         """Temperature of every node with the conductivities at another one."""
         from scipy.sparse.linalg import splu
 
         matrix = self.conduction(temperature)
-        right = np.zeros(self.size)
-        found, free = np.zeros(self.size), np.ones(self.size, dtype=bool)
+        rhs = np.zeros(self.size)
+        solution, free = np.zeros(self.size), np.ones(self.size, dtype=bool)
         for name, face in self.surroundings.faces.items():
             film = self.films[name] * (face.heat_transfer or 0.0)
             matrix = csc_matrix(matrix + film)
-            right += film @ np.full(self.size, face.temperature)
-            if name in self.held:
-                found[self.held[name]], free[self.held[name]] = face.temperature, False
+            rhs += film @ np.full(self.size, face.temperature)
+            if name in self.fixed_nodes:
+                solution[self.fixed_nodes[name]], free[self.fixed_nodes[name]] = face.temperature, False
         factor = splu(csc_matrix(matrix)[free][:, free].tocsc())
-        # A perfect contact is ten thousand times stiffer than the bodies: the digits that this costs are won back.
+        # A perfect contact conducts ten thousand times better than the bodies; refinement wins the digits back.
         for _ in range(3):
-            found[free] += factor.solve((right - matrix @ found)[free])
-        return found
+            solution[free] += factor.solve((rhs - matrix @ solution)[free])
+        return solution
 
-    def field(self, temperature: FloatArray, before: FloatArray) -> TemperatureField:
+    def field(self, temperature: FloatArray, last_temperature: FloatArray) -> TemperatureField:
         parts = self.split(temperature)
-        heat = {name: float(self.entering(name, temperature).sum()) for name in self.surroundings.faces}
+        heat = {name: float(self.entering_heat(name, temperature).sum()) for name in self.surroundings.faces}
         # what the held faces take up is what is missing in the balance of their nodes
-        missing = self.conduction(before) @ temperature - sum(
-            self.entering(name, temperature) for name in self.surroundings.faces
+        surplus = self.conduction(last_temperature) @ temperature - sum(
+            self.entering_heat(name, temperature) for name in self.surroundings.faces
         )
-        for name, dofs in self.held.items():
-            heat[name] += float(missing[dofs].sum())
-        share = self.touching / self.touching.sum()
+        for name, dofs in self.fixed_nodes.items():
+            heat[name] += float(surplus[dofs].sum())
+        share = self.contact_weight / self.contact_weight.sum()
         across = float(self.split(self.contact @ temperature)[0].sum())
         return TemperatureField(
             dict(zip(BODIES, parts, strict=True)),
@@ -297,11 +297,11 @@ class _System:
         )
 
 
-def _film(bodies: tuple[_Body, _Body], face: str, beside: FloatArray | None) -> csc_matrix:
+def _film(bodies: tuple[_Body, _Body], face: str, line_area: FloatArray | None) -> csc_matrix:
     """int 2 pi r T v over a face of both bodies and the part of the contact line beside it, areas (m,) [m^2]."""
     parts = [body.film(face) for body in bodies]
-    if beside is not None:
-        lines = [body.trace.T @ body.trace.multiply(beside[:, None]) for body in bodies]
+    if line_area is not None:
+        lines = [body.trace.T @ body.trace.multiply(line_area[:, None]) for body in bodies]
         parts = [part + line for part, line in zip(parts, lines, strict=True)]
     return csc_matrix(block_diag(parts))
 
@@ -310,10 +310,12 @@ def _nodes_at_temperature(
     bodies: tuple[_Body, _Body], surroundings: Surroundings
 ) -> dict[str, NDArray[np.int64]]:
     """Nodes of each face that has a temperature itself; a corner between two such faces is one of the first."""
-    held: dict[str, NDArray[np.int64]] = {}
+    nodes_of_face: dict[str, NDArray[np.int64]] = {}
     closure, seat = bodies
     for name, face in surroundings.faces.items():
         if face.heat_transfer is None:
             nodes = np.concatenate([closure.nodes(name), closure.size + seat.nodes(name)])
-            held[name] = np.setdiff1d(nodes, [one for taken in held.values() for one in taken])
-    return held
+            nodes_of_face[name] = np.setdiff1d(
+                nodes, [node for others in nodes_of_face.values() for node in others]
+            )
+    return nodes_of_face

@@ -16,7 +16,7 @@ _MEMORY = 9
 _GROWTH = 3.0
 # A step beyond where the fixed point is expected, so that it comes to lie between two places; at most so far beyond the
 # image.
-_BEYOND, _FARTHEST = 1.2, 20.0
+_OVERSHOOT, _FARTHEST = 1.2, 20.0
 _MOST_ITERATIONS = 60
 
 
@@ -101,14 +101,14 @@ def first_fixed_point(
         if abs(residual) <= tolerance:
             return x
         # The residual falls to zero after residual/(1 - slope of the image).
-        ahead = x + _BEYOND * residual / max(1 - slope, 1 / _FARTHEST)
-        beyond = image(ahead) - ahead
-        if beyond * residual < 0:
-            x = root_between(lambda at: image(at) - at, x, ahead, xtol=tolerance)
+        next_x = x + _OVERSHOOT * residual / max(1 - slope, 1 / _FARTHEST)
+        next_residual = image(next_x) - next_x
+        if next_residual * residual < 0:
+            x = root_between(lambda at: image(at) - at, x, next_x, xtol=tolerance)
             residual = image(x) - x
             if abs(residual) <= jump:
                 return x
             break
-        slope = float(np.clip(1 + (beyond - residual) / (ahead - x), 0.0, 1.0))
-        x, residual = ahead, beyond
+        slope = float(np.clip(1 + (next_residual - residual) / (next_x - x), 0.0, 1.0))
+        x, residual = next_x, next_residual
     raise ConvergenceError(f"no fixed point was found; the last residual is {residual:.2g}")

@@ -17,7 +17,7 @@ def solve_flattened(
     model: ContactModel,
     law: InterfaceLaw,
     contact_force: float,
-    apart: FloatArray,
+    initial_gap: FloatArray,
     start: tuple[FloatArray, float],
     floor: float,
     tolerance: float,
@@ -33,7 +33,7 @@ def solve_flattened(
     law : InterfaceLaw
     contact_force : float
         F_N of contact and stop together [N].
-    apart : ndarray, shape (m,)
+    initial_gap : ndarray, shape (m,)
         Gap of the bodies without contact pressure [m].
     start : tuple
         ln(p/Pa) at the points, shape (m,), and approach [m].
@@ -59,15 +59,17 @@ def solve_flattened(
             of_change = force[:, None] * hats
         separation = law.gap(log_p) - floor * log_p
         lift = line.lift(float(separation[log_p.argmax()]))
-        missing_gap = mean @ (separation - apart - lift + d * n_z) - opens @ force
+        missing_gap = mean @ (separation - initial_gap - lift + d * n_z) - opens @ force
         matrix = opens @ of_change + mean @ ((law.decay_length(log_p) + floor)[:, None] * hats)
         try:
             by_gap, by_approach = np.linalg.solve(matrix, np.array([missing_gap, leans]).T).T
         except np.linalg.LinAlgError:
             return None
-        missing, gained = contact_force - float(n_z @ force), n_z @ of_change
+        missing_force, force_change = contact_force - float(n_z @ force), n_z @ of_change
         with np.errstate(divide="ignore", invalid="ignore"):  # where nothing carries, no step is finite
-            step_d = min(float((missing - gained @ by_gap) / (gained @ by_approach)), stop - d)
+            step_d = min(
+                float((missing_force - force_change @ by_gap) / (force_change @ by_approach)), stop - d
+            )
         change = by_gap + step_d * by_approach
         v, d = v + np.where(change > 0, np.log1p(np.maximum(change, 0.0)), change), d + step_d
         if not np.all(np.isfinite(v)):

@@ -23,48 +23,48 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
         If the active set does not settle.
     """
     line, loads = model.line, loads or BodyLoads()
-    apart = line.initial_gap + loads.opening(model)
+    initial_gap = line.initial_gap + loads.opening(model)
     weights = line.area_weight[:, None] * line.hats
     compliance = weights.T @ model.compliance @ weights
-    gap0, axial = weights.T @ apart, weights.T @ line.normal[1]
+    gap0, axial = weights.T @ initial_gap, weights.T @ line.normal[1]
     # A parabolic gap is as high as this where the contact of Hertz ends.
-    flattened = 2 * model.line_load(contact_force) / (np.pi * model.effective_modulus)
+    hertz_gap = 2 * model.line_load(contact_force) / (np.pi * model.effective_modulus)
     distance = gap0 / weights.sum(axis=0)
-    active = distance <= max(distance.min() + flattened, np.sort(distance)[2])
+    active = distance <= max(distance.min() + hertz_gap, np.sort(distance)[2])
     for change in range(1, _MAX_CHANGES + 1):
-        inside = np.flatnonzero(active)
+        ends = np.flatnonzero(active)
         matrix = np.block(
             [
-                [compliance[np.ix_(inside, inside)], -axial[inside, None]],
-                [-axial[None, inside], np.zeros((1, 1))],
+                [compliance[np.ix_(ends, ends)], -axial[ends, None]],
+                [-axial[None, ends], np.zeros((1, 1))],
             ]
         )
-        solution = np.linalg.solve(matrix, np.append(-gap0[inside], -contact_force))
-        pressure, approach, carried = np.zeros(len(active)), float(solution[-1]), contact_force
-        pressure[inside] = solution[:-1]
+        solution = np.linalg.solve(matrix, np.append(-gap0[ends], -contact_force))
+        pressure, approach, carried_force = np.zeros(len(active)), float(solution[-1]), contact_force
+        pressure[ends] = solution[:-1]
         if approach > model.stop:
             approach = model.stop
-            pressure[inside] = np.linalg.solve(matrix[:-1, :-1], approach * axial[inside] - gap0[inside])
-            carried = float(axial @ pressure)
+            pressure[ends] = np.linalg.solve(matrix[:-1, :-1], approach * axial[ends] - gap0[ends])
+            carried_force = float(axial @ pressure)
         opening = gap0 + compliance @ pressure - approach * axial
-        settled = np.where(active, pressure > 0, opening < 0)
-        if np.array_equal(settled, active):
+        next_active = np.where(active, pressure > 0, opening < 0)
+        if np.array_equal(next_active, active):
             p = line.hats @ pressure
-            gap = apart - approach * line.normal[1] + model.compliance @ (line.area_weight * p)
+            gap = initial_gap - approach * line.normal[1] + model.compliance @ (line.area_weight * p)
             with np.errstate(divide="ignore"):
                 log_pressure = np.log(np.maximum(p, 0.0))
             return ContactSolution(
                 model,
-                carried,
+                carried_force,
                 approach,
                 log_pressure,
                 np.where(p > 0, 0.0, gap),
                 change,
                 (),
                 loads,
-                stop_force=contact_force - carried,
+                stop_force=contact_force - carried_force,
             )
-        active = settled
+        active = next_active
     raise ConvergenceError(
         f"hard contact at axial force {contact_force:.6g} N did not settle in {_MAX_CHANGES} changes of the contact "
         "zone; refine [mesh] contact_size"

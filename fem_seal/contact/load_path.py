@@ -62,20 +62,20 @@ class Imprint:
         """Width at half the greatest depth [m]; zero if there is no imprint."""
         if self.deepest == 0.0:
             return 0.0
-        above = self.depth - 0.5 * self.deepest
-        inside = np.flatnonzero(above >= 0)
-        return self._crossing(above, inside[-1], +1) - self._crossing(above, inside[0], -1)
+        excess = self.depth - 0.5 * self.deepest
+        points = np.flatnonzero(excess >= 0)
+        return self._find_crossing(excess, points[-1], +1) - self._find_crossing(excess, points[0], -1)
 
-    def _crossing(self, above: FloatArray, inside: int, step: int) -> float:
-        outside = inside + step
-        if not 0 <= outside < len(self.x):
-            return float(self.x[inside])
-        a, b = above[inside], above[outside]
-        return float(self.x[inside] + (self.x[outside] - self.x[inside]) * a / (a - b))
+    def _find_crossing(self, excess: FloatArray, point: int, step: int) -> float:
+        neighbour = point + step
+        if not 0 <= neighbour < len(self.x):
+            return float(self.x[point])
+        a, b = excess[point], excess[neighbour]
+        return float(self.x[point] + (self.x[neighbour] - self.x[point]) * a / (a - b))
 
 
 @dataclass(frozen=True)
-class Unloaded:
+class UnloadedBodies:
     """The bodies with no load on them any more but what was there before the first, such as a press fit.
 
     Parameters
@@ -84,14 +84,14 @@ class Unloaded:
         What still acts.
     bodies : mapping
         Those that yield, by name.
-    before, states : mapping
+    initial_states, states : mapping
         Their states before the first and after the last load, by name.
     """
 
     model: ContactModel = field(repr=False)
     at_rest: BodyLoads
     bodies: Mapping[str, YieldingBody] = field(repr=False)
-    before: Mapping[str, BodyState] = field(repr=False)
+    initial_states: Mapping[str, BodyState] = field(repr=False)
     states: Mapping[str, BodyState] = field(repr=False)
 
     @cached_property
@@ -99,7 +99,7 @@ class Unloaded:
         """Lasting displacement and residual stress of "closure" and "seat"; plastic strain of those that yield."""
         return fields_at_rest(self.model, self.at_rest) | {
             name: elastoplastic_field(
-                body.held, body.solid, self.states[name], temperature=self.at_rest.temperature.get(name)
+                body.fem, body.solid, self.states[name], temperature=self.at_rest.temperature.get(name)
             )
             for name, body in self.bodies.items()
         }
@@ -109,22 +109,22 @@ class Unloaded:
         """Lasting imprint in the contact face of each body that has yielded."""
         return {
             name: Imprint(
-                body.held.contact_x,
-                body.held.normal_displacement(
-                    self.states[name].displacement - self.before[name].displacement
+                body.fem.contact_x,
+                body.fem.normal_displacement(
+                    self.states[name].displacement - self.initial_states[name].displacement
                 ),
             )
             for name, body in self.bodies.items()
-            if self.states[name].plastic.accumulated.any()
+            if self.states[name].plastic.accumulated_strain.any()
         }
 
     @property
-    def closing(self) -> float:
+    def closing_approach(self) -> float:
         """Approach by which lasting imprints have moved the faces apart along the axis, until they touch [m]."""
         line = self.model.line
-        depth = sum(np.interp(line.x, one.x, one.depth) for one in self.imprints.values())
-        apart = line.initial_gap + self.at_rest.opening(self.model) + depth
-        return float(np.min(apart / line.normal[1])) - self.model.touch
+        depth = sum(np.interp(line.x, imprint.x, imprint.depth) for imprint in self.imprints.values())
+        gap = line.initial_gap + self.at_rest.opening(self.model) + depth
+        return float(np.min(gap / line.normal[1])) - self.model.touch
 
 
 @dataclass(frozen=True)
@@ -151,21 +151,21 @@ class LoadPath:
     ----------
     contacts : tuple of ElastoplasticContact
         One per load that leaves the seal closed, in the order of the path.
-    unloaded : Unloaded or None
+    unloaded_bodies : UnloadedBodies or None
         After the last load has been taken away; None where that does not converge or was not asked for.
-    stopped : ConvergenceError or None
+    failure : ConvergenceError or None
         Why the path ends before the first load without a contact; None if all have one.
-    opened : mapping of OpenLoad
+    open_loads : mapping of OpenLoad
         Number of each load that opens the seal. It leaves no trace: the path goes on from the load before it.
-    left : bool
+    was_left : bool
         Whether it was left before its end, see `load_path`.
     """
 
     contacts: tuple[ElastoplasticContact, ...]
-    unloaded: Unloaded | None
-    stopped: ConvergenceError | None = None
-    opened: Mapping[int, OpenLoad] = field(default_factory=dict)
-    left: bool = False
+    unloaded_bodies: UnloadedBodies | None
+    failure: ConvergenceError | None = None
+    open_loads: Mapping[int, OpenLoad] = field(default_factory=dict)
+    was_left: bool = False
 
 
 # Given the contacts so far, and why the last load has none: whether to leave the path.
@@ -204,7 +204,7 @@ def load_path(
     partial: bool = False,
     unload: bool = True,
     progress: Callable[[PlaceOnPath], None] | None = None,
-    first: FirstLoading | None = None,
+    first_loading: FirstLoading | None = None,
     elastic: bool = False,
     leave: Leave | None = None,
 ) -> LoadPath:
@@ -227,7 +227,7 @@ def load_path(
         Whether to ask for what is left after the last load, which is a way like that up.
     progress : callable, optional
         Told after every load step how far the path is.
-    first : FirstLoading, optional
+    first_loading : FirstLoading, optional
         Of the same model, law and `at_rest`: the way to the first load is taken from there if nothing but a force rises
         on it.
     elastic : bool
@@ -249,65 +249,66 @@ def load_path(
     Plastic strain depends on the path, so every load is reached in steps. Implicit Euler is of first order in the
     size of the steps.
     """
-    bodies = yielding_bodies(model) if first is None else first.bodies
+    bodies = yielding_bodies(model) if first_loading is None else first_loading.bodies
     if not (bodies or elastic):
         raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
         if load.path is None and not (math.isfinite(load.force) and load.force > 0):
             raise ValueError(f"contact_force = {load.force!r} N: must be positive and finite")
-    walk = _Walk(model, bodies, law, settings or PlasticSettings(), progress or _untold)
+    walk = _Walk(model, bodies, law, settings or PlasticSettings(), progress or _ignore_place)
     rest = loads[0].rest(at_rest or NO_LOADS)
     contacts: list[ElastoplasticContact] = []
-    opened: dict[int, OpenLoad] = {}
-    stopped, tightened = None, 0.0
+    open_loads: dict[int, OpenLoad] = {}
+    failure, bolted_at = None, 0.0
     try:
-        here = walk.begun(rest)
-        virgin, last = here.states, rest
+        balance = walk.begin(rest)
+        virgin, last = balance.states, rest
         try:
             for number, load in enumerate(loads):
                 try:
-                    if number == 0 and first is not None and load.alone:
-                        reached, steps = first.at(load, walk.tell)
-                    elif load.held is None:
-                        reached, steps = walk.to(load.after(contacts), last, here, number)
+                    if number == 0 and first_loading is not None and load.alone:
+                        arrival, steps = first_loading.at(load, walk.tell)
+                    elif load.bolts is None:
+                        arrival, steps = walk.reach(load.after_contacts(contacts), last, balance, number)
                     else:
-                        load, reached, steps = walk.held(load.after(contacts), tightened, last, here, number)
-                except _Opened as found:
-                    opened[number] = found.load
+                        load = load.after_contacts(contacts)
+                        load, arrival, steps = walk.hold(load, bolted_at, last, balance, number)
+                except _OpenedSeal as opening:
+                    open_loads[number] = opening.load
                     continue
-                assert reached.contact is not None  # a load that does not open the seal closes it
-                contacts.append(_with_bodies(reached.contact, bodies, reached, steps))
-                here, last = reached, load
-                if load.held is None:
-                    tightened = reached.contact.approach
+                assert arrival.contact is not None  # a load that does not open the seal closes it
+                contacts.append(_with_bodies(arrival.contact, bodies, arrival, steps))
+                balance, last = arrival, load
+                if load.bolts is None:
+                    bolted_at = arrival.contact.approach
                 if leave is not None and leave(contacts, None):
-                    return LoadPath(tuple(contacts), None, None, opened, left=True)
+                    return LoadPath(tuple(contacts), None, None, open_loads, was_left=True)
         except ConvergenceError as error:
             if not (partial and contacts):
                 raise
-            stopped = error
+            failure = error
             if leave is not None and leave(contacts, error):
-                return LoadPath(tuple(contacts), None, stopped, opened, left=True)
+                return LoadPath(tuple(contacts), None, failure, open_loads, was_left=True)
         if not unload:
-            return LoadPath(tuple(contacts), None, stopped, opened)
-        here = walk.unloaded(rest.after(contacts), last, here, len(loads))
+            return LoadPath(tuple(contacts), None, failure, open_loads)
+        balance = walk.unload(rest.after_contacts(contacts), last, balance, len(loads))
     except ConvergenceError as error:
-        path = LoadPath(tuple(contacts), None, stopped or error, opened)
+        path = LoadPath(tuple(contacts), None, failure or error, open_loads)
         raise ConvergenceError(str(error), partial=path) from error
-    unloaded = Unloaded(model, rest.further, bodies, virgin, here.states)
-    return LoadPath(tuple(contacts), unloaded, stopped, opened)
+    unloaded = UnloadedBodies(model, rest.further, bodies, virgin, balance.states)
+    return LoadPath(tuple(contacts), unloaded, failure, open_loads)
 
 
 def _with_bodies(
-    contact: ContactSolution, bodies: Mapping[str, YieldingBody], reached: Equilibrium, steps: int
+    contact: ContactSolution, bodies: Mapping[str, YieldingBody], balance: Equilibrium, steps: int
 ) -> ElastoplasticContact:
     return ElastoplasticContact(
         **{entry.name: getattr(contact, entry.name) for entry in fields(contact)},
         bodies=bodies,
-        states=reached.states,
-        equilibrium_residuals=reached.residuals,
+        states=balance.states,
+        equilibrium_residuals=balance.residuals,
         load_steps=steps,
-        linear=reached.linear,
+        linear=balance.linear,
     )
 
 
@@ -334,7 +335,7 @@ class FirstLoading:
     model: ContactModel = field(repr=False)
     law: Law
     at_rest: BodyLoads = NO_LOADS
-    _passed: list[_Passed] = field(default_factory=list, init=False, repr=False)
+    _steps: list[_LoadStep] = field(default_factory=list, init=False, repr=False)
 
     @cached_property
     def bodies(self) -> dict[str, YieldingBody]:
@@ -358,58 +359,58 @@ class FirstLoading:
         ConvergenceError
             If the smallest load step does not converge.
         """
-        walk = _Walk(self.model, self.bodies, self.law, PlasticSettings(), progress or _untold)
+        walk = _Walk(self.model, self.bodies, self.law, PlasticSettings(), progress or _ignore_place)
         # the last step is one that leads there, so that the bodies are linearised as they yield
-        below = [one for one in self._passed if one.load.force < load.force]
-        if not below:
-            self._passed.clear()
-        further = len(below) == len(self._passed)
+        steps_below = [step for step in self._steps if step.load.force < load.force]
+        if not steps_below:
+            self._steps.clear()
+        further = len(steps_below) == len(self._steps)
         rest = load.rest(self.at_rest)
-        begin = below[-1] if below else _Passed(rest, walk.begun(rest), 0)
-        steps: list[_Passed] = []
+        begin = steps_below[-1] if steps_below else _LoadStep(rest, walk.begin(rest), 0)
+        steps: list[_LoadStep] = []
 
-        def passed(at: PathLoad, here: Equilibrium) -> None:
+        def keep_step(at: PathLoad, balance: Equilibrium) -> None:
             # linearised bodies take most of the memory, and nothing starts from them
-            steps.append(_Passed(at, replace(here, linear=None), begin.steps + len(steps) + 1))
+            steps.append(_LoadStep(at, replace(balance, linear=None), begin.steps + len(steps) + 1))
 
         try:
-            here, more = walk.to(load, begin.load, begin.here, 0, passed)
+            balance, added_steps = walk.reach(load, begin.load, begin.balance, 0, keep_step)
         finally:
             if further and steps:
-                lowest = 0.0 if below else 0.5 * steps[-1].load.force
-                self._passed.extend(one for one in steps if one.load.force >= lowest)
-        return here, begin.steps + more
+                lowest_force = 0.0 if steps_below else 0.5 * steps[-1].load.force
+                self._steps.extend(step for step in steps if step.load.force >= lowest_force)
+        return balance, begin.steps + added_steps
 
     @property
-    def highest(self) -> float | None:
+    def highest_force(self) -> float | None:
         """The largest force that has been reached [N]; None before the first."""
-        return self._passed[-1].load.force if self._passed else None
+        return self._steps[-1].load.force if self._steps else None
 
 
 @dataclass(frozen=True)
-class _Passed:
+class _LoadStep:
     """A load on the way, the balance under it, and the steps from zero on."""
 
     load: PathLoad
-    here: Equilibrium
+    balance: Equilibrium
     steps: int
 
 
-def _untold(place: PlaceOnPath) -> None:
-    """Nobody is told how far a path is."""
+def _ignore_place(place: PlaceOnPath) -> None:
+    """Do nothing with the place on a path."""
 
 
 # Accuracy of the force of bolts, of their preload, and the most ways to it.
-_HELD, _WAYS = 1e-6, 12
+_ACCURACY, _WAYS = 1e-6, 12
 # A step that takes so many times its part of the way to a stop is halved.
 _LEAP = 1.5
 # Share of the way to a load from which on the bodies are near enough to those that it would part.
 _NEAR_OPENING = 0.02
 # Plastic strain of a body that does not harden any more and carries the load by nothing but its small elastic rest.
-_COLLAPSED = 10.0
+_COLLAPSE_STRAIN = 10.0
 # A little more load brings bodies that yield through so many times as near to each other as elastic ones: beyond what a
 # contact in the fully plastic range does, or where so much of a body has yielded.
-_GIVES_WAY, _GIVES_WAY_WHOLE, _WHOLE = 20.0, 5.0, 0.9
+_GIVES_WAY, _GIVES_WAY_WHOLE, _WHOLE_SHARE = 20.0, 5.0, 0.9
 # Part of the steps of a whole way that its beginning may take.
 _AT_LEAST = 0.2
 # What keeps a step from being solved; a smaller one may be.
@@ -424,22 +425,22 @@ class _Walk:
     settings: PlasticSettings
     tell: Callable[[PlaceOnPath], None]
 
-    def begun(self, rest: PathLoad) -> Equilibrium:
-        """New bodies with what acts on them before the first load."""
+    def begin(self, rest: PathLoad) -> Equilibrium:
+        """Equilibrium of new bodies under what acts before the first load."""
         virgin = Equilibrium({name: body.solid.virgin for name, body in self.bodies.items()}, None, ())
-        return virgin if rest.further == NO_LOADS else self.to(rest, rest.rest(NO_LOADS), virgin)[0]
+        return virgin if rest.further == NO_LOADS else self.reach(rest, rest.rest(NO_LOADS), virgin)[0]
 
-    def to(
+    def reach(
         self,
         end: PathLoad,
         begin: PathLoad,
-        here: Equilibrium,
+        balance: Equilibrium,
         number: int | None = None,
-        passed: Callable[[PathLoad, Equilibrium], None] | None = None,
+        on_step: Callable[[PathLoad, Equilibrium], None] | None = None,
     ) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also how many.
 
-        Told is how far it is, if the load has a number; `passed` gets every step.
+        Told is how far it is, if the load has a number; `on_step` gets every step.
 
         With a stop none along which something flows takes more of the way to it than one of all steps would, and from
         there on a larger load changes nothing but the force of the stop.
@@ -449,57 +450,57 @@ class _Walk:
         fluid lifts the closure off is halved, too: from far away it may do so because the bodies are not yet those of
         the step's end.
         """
-        begin = begin.relieved(here)
+        begin = begin.without_stop(balance)
         share = begin.change(end, self.model.initial_contact_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
-        way, steps, tried, stood = 0.0, 0, 0, self._way_to_stop(here)
-        earlier, taken = None, 1.0
+        way, steps, tries, stood = 0.0, 0, 0, self._way_to_stop(balance)
+        earlier, last_step = None, 1.0
         while way < 1:
-            if (beyond := end.past_stop(here)) is not None:
-                return beyond, steps
-            if tried >= self.settings.most_steps * max(way, self._way_to_stop(here) - stood, _AT_LEAST):
-                raise self._takes_too_many(begin.between(end, way), end, here, way, tried, step)
-            tried += 1
+            if (at_stop := end.past_stop(balance)) is not None:
+                return at_stop, steps
+            if tries >= self.settings.most_steps * max(way, self._way_to_stop(balance) - stood, _AT_LEAST):
+                raise self._too_many_steps(begin.interpolate(end, way), end, balance, way, tries, step)
+            tries += 1
             if number is not None:
                 self.tell(PlaceOnPath(number, way, steps, step))
             aim = way + step if way + 1.5 * step < 1 else 1.0
-            load = begin.between(end, aim)
-            guess = None if earlier is None else here.ahead(earlier, (aim - way) / taken)
+            load = begin.interpolate(end, aim)
+            guess = None if earlier is None else balance.extrapolate(earlier, (aim - way) / last_step)
             try:
-                reached = self._press(load, here, guess, elastic=step > usual)
+                arrival = self._press(load, balance, guess, elastic=step > usual)
             except _FAILURES as error:
                 if step > usual:
                     step = usual
                     continue
                 step = (aim - way) / 2
-                smallest = step < self.settings.smallest_step
-                if isinstance(error, OpenSealError) and (smallest or step < _NEAR_OPENING):
-                    opened = self._open_load(end, here, error)
-                    if smallest or opened.error is not error:
-                        raise _Opened(opened, here) from error
-                if not smallest:
+                is_smallest = step < self.settings.smallest_step
+                if isinstance(error, OpenSealError) and (is_smallest or step < _NEAR_OPENING):
+                    open_load = self._open_load(end, balance, error)
+                    if is_smallest or open_load.error is not error:
+                        raise _OpenedSeal(open_load, balance) from error
+                if not is_smallest:
                     continue
-                raise self._gave_up(begin.between(end, way), load, here, error) from error
-            if reached.plastic_strain > _COLLAPSED:
-                raise self._yielded_through(begin.between(end, way), reached)
-            nearer = self._way_to_stop(reached) - self._way_to_stop(here)
-            if reached.flowed and nearer * self.settings.steps > _LEAP:
+                raise self._failure(begin.interpolate(end, way), load, balance, error) from error
+            if arrival.plastic_strain > _COLLAPSE_STRAIN:
+                raise self._limit_load(begin.interpolate(end, way), arrival)
+            nearer = self._way_to_stop(arrival) - self._way_to_stop(balance)
+            if arrival.has_flowed and nearer * self.settings.steps > _LEAP:
                 usual = step = (aim - way) / 2
                 continue
-            earlier, taken = here, aim - way
-            step = min(2 * step, usual) if reached.flowed else 2 * step
-            here, way, steps = reached, aim, steps + 1
-            if passed is not None:
-                passed(load, here)
-        return here, steps
+            earlier, last_step = balance, aim - way
+            step = min(2 * step, usual) if arrival.has_flowed else 2 * step
+            balance, way, steps = arrival, aim, steps + 1
+            if on_step is not None:
+                on_step(load, balance)
+        return balance, steps
 
-    def _way_to_stop(self, here: Equilibrium) -> float:
+    def _way_to_stop(self, balance: Equilibrium) -> float:
         """How far bodies have come nearer to a stop, as a share of all that they can; 0 without one."""
         room = self.model.stop - self.model.touch
-        return 0.0 if here.contact is None or room <= 0.0 else here.contact.closing / room
+        return 0.0 if balance.contact is None or room <= 0.0 else balance.contact.closing / room
 
-    def held(
-        self, load: PathLoad, tightened: float, begin: PathLoad, here: Equilibrium, number: int
+    def hold(
+        self, load: PathLoad, bolted_at: float, begin: PathLoad, balance: Equilibrium, number: int
     ) -> tuple[PathLoad, Equilibrium, int]:
         """Walk to a load that bolts hold, to the force that the linearised bodies leave them, until this is the same.
 
@@ -509,25 +510,25 @@ class _Walk:
         steps, last = 0, begin
         for _ in range(_WAYS):
             try:
-                aim = load.balanced(here, self.law, tightened)
+                aim = load.balance_bolts(balance, self.law, bolted_at)
             except OpenSealError as error:
-                raise _Opened(self._open_load(load, here, error), here) from error
-            assert load.held is not None  # of all who ask
-            if last is not begin and abs(aim.force - last.force) <= _HELD * load.held.preload:
-                return last, here, steps
-            here, more = self.to(aim, last, here, number)
-            last, steps = aim, steps + more
+                raise _OpenedSeal(self._open_load(load, balance, error), balance) from error
+            assert load.bolts is not None  # of all who ask
+            if last is not begin and abs(aim.force - last.force) <= _ACCURACY * load.bolts.preload:
+                return last, balance, steps
+            balance, added_steps = self.reach(aim, last, balance, number)
+            last, steps = aim, steps + added_steps
         raise ConvergenceError("the force of the bolts and the path of the bodies that yield do not converge")
 
-    def unloaded(self, rest: PathLoad, last: PathLoad, here: Equilibrium, number: int) -> Equilibrium:
+    def unload(self, rest: PathLoad, last: PathLoad, balance: Equilibrium, number: int) -> Equilibrium:
         """Walk from the last load to where the bodies are apart; at once from where a fluid parts them on the way."""
         try:
-            return self.to(rest, last, here, number)[0]
-        except _Opened as opened:
-            return self.to(rest, rest, opened.reached)[0]
+            return self.reach(rest, last, balance, number)[0]
+        except _OpenedSeal as opening:
+            return self.reach(rest, rest, opening.last_touch)[0]
 
     def _press(
-        self, load: PathLoad, here: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
+        self, load: PathLoad, balance: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
     ) -> Equilibrium:
         with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
             return press(
@@ -535,28 +536,28 @@ class _Walk:
                 self.bodies,
                 self.law,
                 load,
-                here.states,
+                balance.states,
                 settings=self.settings,
-                start=here.contact,
+                start=balance.contact,
                 guess=guess,
                 elastic=elastic,
             )
 
-    def _open_load(self, load: PathLoad, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
-        """What is said of a load by the bodies as they last touched; what was said on the way if they are closed."""
-        model = unloading_model(self.model, self.bodies, reached.states, load.further)
+    def _open_load(self, load: PathLoad, balance: Equilibrium, error: OpenSealError) -> OpenLoad:
+        """Error of a load that opens the bodies as they last touched; the given one if it leaves them closed."""
+        model = unloading_model(self.model, self.bodies, balance.states, load.further)
         try:
-            load.contact(model, self.law, reached.contact)
+            load.contact(model, self.law, balance.contact)
         except OpenSealError as of_load:
             return OpenLoad(of_load, model)
         except ConvergenceError:
             pass
         return OpenLoad(error, model)
 
-    def _gave_up(self, at: PathLoad, aim: PathLoad, here: Equilibrium, error: Exception) -> ConvergenceError:
-        """What is said of a load step that is as small as can be and not solved."""
-        if self._gives_way(at, aim, here):
-            return self._yielded_through(at, here)
+    def _failure(self, at: PathLoad, aim: PathLoad, now: Equilibrium, error: Exception) -> ConvergenceError:
+        """Error of a load step that is as small as can be and not solved."""
+        if self._gives_way(at, aim, now):
+            return self._limit_load(at, now)
         why = error if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
         return ConvergenceError(
             f"elastoplastic contact: the load step from {at} to {aim} does not converge: {why}. The body may be "
@@ -564,40 +565,40 @@ class _Walk:
             "else refine [mesh] contact_size"
         )
 
-    def _takes_too_many(
-        self, at: PathLoad, end: PathLoad, here: Equilibrium, way: float, tried: int, step: float
+    def _too_many_steps(
+        self, at: PathLoad, end: PathLoad, balance: Equilibrium, way: float, tries: int, step: float
     ) -> ConvergenceError:
-        """What is said of a way whose load steps have become so short that it would never end."""
-        if self._gives_way(at, at.between(end, step), here):
-            return self._yielded_through(at, here)
+        """Error of a way whose load steps have become so short that it would never end."""
+        if self._gives_way(at, at.interpolate(end, step), balance):
+            return self._limit_load(at, balance)
         flows = ""
-        if (strain := here.plastic_strain) > 0:
-            body = max(here.states, key=lambda name: float(here.states[name].plastic.accumulated.max()))
-            label = self.model.bodies[body].held.label
+        if (strain := balance.plastic_strain) > 0:
+            strains = {name: state.plastic.accumulated_strain.max() for name, state in balance.states.items()}
+            label = self.model.bodies[max(strains, key=strains.__getitem__)].fem.label
             flows = f"The {label} flows in one place there, to a plastic strain of {100 * strain:.2g} %. "
         return LongPathError(
             f"{short_quantity('force', at.force)} of {short_quantity('force', end.force)} are reached after "
-            f"{tried} load steps that were tried, {100 * way:.2g} % of the way; the next one could be no longer "
+            f"{tries} load steps that were tried, {100 * way:.2g} % of the way; the next one could be no longer "
             f"than {100 * step:.2g} % of it. "
             f"{flows}Lower the load, round the edge that is pressed in more, or give a stress_strain table that hardens"
         )
 
-    def _gives_way(self, at: PathLoad, aim: PathLoad, here: Equilibrium) -> bool:
+    def _gives_way(self, at: PathLoad, aim: PathLoad, balance: Equilibrium) -> bool:
         """Whether bodies linearised as they flow come so much nearer in a step that they bear nothing more."""
-        if not here.states or here.linear is None or here.contact is None:
+        if not balance.states or balance.linear is None or balance.contact is None:
             return False
-        elastic = unloading_model(self.model, self.bodies, here.states, at.further)
+        elastic = unloading_model(self.model, self.bodies, balance.states, at.further)
         try:
-            ends = [aim.contact(one, self.law, here.contact) for one in (here.linear, elastic)]
+            ends = [aim.contact(bodies, self.law, balance.contact) for bodies in (balance.linear, elastic)]
         except _FAILURES:
             return False
-        flowing, springy = (0.0 if one is None else one.approach - here.contact.approach for one in ends)
-        whole = max(_yielded_share(state) for state in here.states.values()) > _WHOLE
-        return springy > 0 and flowing > (_GIVES_WAY_WHOLE if whole else _GIVES_WAY) * springy
+        by_flow, by_spring = (0.0 if end is None else end.approach - balance.contact.approach for end in ends)
+        is_whole = max(_yielded_share(state) for state in balance.states.values()) > _WHOLE_SHARE
+        return by_spring > 0 and by_flow > (_GIVES_WAY_WHOLE if is_whole else _GIVES_WAY) * by_spring
 
-    def _yielded_through(self, at: PathLoad, here: Equilibrium) -> LimitLoadError:
-        body = max(here.states, key=lambda name: _yielded_share(here.states[name]))
-        label = self.model.bodies[body].held.label
+    def _limit_load(self, at: PathLoad, balance: Equilibrium) -> LimitLoadError:
+        body = max(balance.states, key=lambda name: _yielded_share(balance.states[name]))
+        label = self.model.bodies[body].fem.label
         return LimitLoadError(
             f"the {label} yields through: it bears {short_quantity('force', at.force)} and flows without "
             "limit under more. Lower the load, give a stress_strain table that hardens, or take a thicker body",
@@ -605,23 +606,23 @@ class _Walk:
         )
 
 
-class _Opened(Exception):
-    """A load opens the seal on the way to it; `reached` is where the bodies last touched."""
+class _OpenedSeal(Exception):
+    """A load opens the seal on the way to it; `last_touch` is where the bodies last touched."""
 
-    def __init__(self, load: OpenLoad, reached: Equilibrium) -> None:
+    def __init__(self, load: OpenLoad, last_touch: Equilibrium) -> None:
         super().__init__(str(load.error))
         self.load = load
-        self.reached = reached
+        self.last_touch = last_touch
 
 
 def _yielded_share(state: BodyState) -> float:
-    return float((state.plastic.accumulated > 0).mean())
+    return float((state.plastic.accumulated_strain > 0).mean())
 
 
 def yielding_bodies(model: ContactModel) -> dict[str, YieldingBody]:
     """Those bodies of a seal whose materials have a hardening curve, by name; empty if the seal is elastic."""
     return {
-        name: YieldingBody(body.held)
+        name: YieldingBody(body.fem)
         for name, body in model.bodies.items()
         if body.material.hardening is not None
     }
@@ -662,7 +663,7 @@ class ElastoplasticContact(ContactSolution):
         """Displacement and stress of "closure" and "seat"; of bodies that yield with their plastic strain."""
         return body_fields(self) | {
             name: elastoplastic_field(
-                body.held, body.solid, self.states[name], self.profile, self.loads.temperature.get(name)
+                body.fem, body.solid, self.states[name], self.profile, self.loads.temperature.get(name)
             )
             for name, body in self.bodies.items()
         }

@@ -31,18 +31,18 @@ if TYPE_CHECKING:
 # node to node, the width of a contact and all of smooth surfaces, has a cubic one.
 _STEP, _DEGREE, _DEGREE_UNEVEN = 0.3, 5, 3
 # Where the next rung is looked for: a polynomial through one to three rungs, the nearest first.
-_AHEAD = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))
+_EXTRAPOLATIONS = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))
 # Rungs beyond what is asked for, so that a spline has no end there, and the fewest below the mean.
-_BEYOND, _FEWEST = 2, 3
+_EXTRA_RUNGS, _FEWEST = 2, 3
 # Highest line load over the mean, and lowest of a smooth interface, where the contact gets narrower than its mesh.
-_HIGHEST, _LOWEST_SMOOTH = math.log(60.0), math.log(1e-2)
+_HIGHEST_LOAD, _LOWEST_SMOOTH = math.log(60.0), math.log(1e-2)
 # A contact whose approach over ln f changes its slope by less than this share from rung to rung only fades.
-_FADING = 1e-6
+_FADING_SHARE = 1e-6
 # Ends of a first ladder where nobody knows the line loads yet, and of what counts as a load at all, in ln f over mean.
-_FIRST_LOWEST, _FIRST_HIGHEST, _NOTHING = math.log(1e-2), math.log(4.0), -600.0
+_FIRST_LOWEST, _FIRST_HIGHEST, _NO_LOAD = math.log(1e-2), math.log(4.0), -600.0
 _POLISH = 4
 # What counts as the mean line load, in ln f over it.
-_EVEN = 1e-12
+_LOAD_ACCURACY = 1e-12
 # Part of the relative curvature by which a gap is bent to see what that does to the peak.
 _BEND = 0.005
 
@@ -56,14 +56,14 @@ class LocalContact:
     mean : ContactSolution
         At the mean line load. Fluid and press fit act everywhere as they do there.
     law : Law
-    near : LocalContact, optional
+    neighbour : LocalContact, optional
         The same of another contact between the same points that is close to this one: where its rungs are looked for.
     """
 
     mean: ContactSolution
     law: Law
-    near: LocalContact | None = field(default=None, repr=False)
-    opened: dict[int, FloatArray] = field(default_factory=dict, repr=False)
+    neighbour: LocalContact | None = field(default=None, repr=False)
+    openings: dict[int, FloatArray] = field(default_factory=dict, repr=False)
     """By how much more the gap opens under each harmonic than under an even line load [m per N/m], see `Stiffening`."""
     _rungs: dict[int, ContactSolution] = field(default_factory=dict, repr=False)
     _fades_below: float = field(default=-math.inf, repr=False)
@@ -79,8 +79,8 @@ class LocalContact:
     def touch_approach(self) -> float:
         """Approach along the normal at which smooth surfaces touch [m]."""
         line = self.mean.model.line
-        apart = line.initial_gap + self.mean.loads.opening(self.mean.model)
-        return float(np.min(apart / line.normal[1])) * self.mean.model.touch_normal_z
+        gap = line.initial_gap + self.mean.loads.opening(self.mean.model)
+        return float(np.min(gap / line.normal[1])) * self.mean.model.touch_normal_z
 
     def approach(self, line_load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approach along the normal [m] and its derivative over ln f [m].
@@ -94,16 +94,16 @@ class LocalContact:
         if not self.opens:
             return self._approach(v)
         # over ln f the logarithm of the depth is nearly a straight line, as the depth of Hertz's contact is
-        spline, inside = self._spline("depth", lambda c: math.log(self._depth(c))), np.maximum(v, self._low)
-        slope = spline(inside, 1)
+        spline, at = (self._spline("depth", lambda c: math.log(self._depth(c))), np.maximum(v, self._low_end))
+        slope = spline(at, 1)
         with np.errstate(under="ignore"):
-            depth = np.exp(spline(inside) + (v - inside) * slope)
+            depth = np.exp(spline(at) + (v - at) * slope)
         return self.touch_approach + depth, depth * slope
 
     def _approach(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        spline, inside = self._spline("approach", self._along_normal), np.maximum(v, self._low)
-        slope = spline(inside, 1)
-        return spline(inside) + (v - inside) * slope, slope
+        spline, at = (self._spline("approach", self._along_normal), np.maximum(v, self._low_end))
+        slope = spline(at, 1)
+        return spline(at) + (v - at) * slope, slope
 
     def line_load(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Line load [N/m] at an approach along the normal [m], and its derivative [N/m^2].
@@ -115,35 +115,35 @@ class LocalContact:
         """
         from scipy.interpolate import PchipInterpolator
 
-        self._climb(self._lowest, _FIRST_HIGHEST)
+        self._climb(self._lowest_rung, _FIRST_HIGHEST)
         while self._rung_approach(max(self._rungs)) < float(np.max(approach)):
-            self._climb(self._lowest, (max(self._rungs) + 1) * _STEP)
+            self._climb(self._lowest_rung, (max(self._rungs) + 1) * _STEP)
         if self.opens:
-            return self._parting(approach)
+            return self._smooth_line_load(approach)
         rungs = np.array(sorted(self._rungs))
         curve = PchipInterpolator([self._rung_approach(k) for k in rungs.tolist()], _STEP * rungs)
-        low = self._low
+        low = self._low_end
         at = np.maximum(approach, self._spline("approach", self._along_normal)(low))
         v = curve(at)
         for _ in range(_POLISH):
-            found, slope = self._approach(v)
-            v = v + (approach - found) / slope
+            reached_approach, slope = self._approach(v)
+            v = v + (approach - reached_approach) / slope
         _, slope = self._approach(v)
-        f = self.mean.line_load * np.exp(np.maximum(v, _NOTHING))
+        f = self.mean.line_load * np.exp(np.maximum(v, _NO_LOAD))
         return f, f / slope
 
-    def _parting(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _smooth_line_load(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The same of smooth surfaces; over the depth ln f is a straight line but for a logarithm."""
         from scipy.interpolate import CubicSpline
 
         rungs, touch = np.array(sorted(self._rungs)), self.touch_approach
         depth = np.log([self._depth(self._rungs[k]) for k in rungs.tolist()])
-        inside = approach > touch
-        g = np.where(inside, approach - touch, 1.0)
+        touches = approach > touch
+        g = np.where(touches, approach - touch, 1.0)
         curve = CubicSpline(depth, _STEP * rungs)
         at = np.maximum(np.log(g), depth[0])
         slope = curve(at, 1)
-        f = np.where(inside, self.mean.line_load * np.exp(curve(at) + (np.log(g) - at) * slope), 0.0)
+        f = np.where(touches, self.mean.line_load * np.exp(curve(at) + (np.log(g) - at) * slope), 0.0)
         return f, f * slope / g
 
     def peak_pressure(self, line_load: FloatArray, bend: FloatArray | float = 0.0) -> FloatArray:
@@ -161,7 +161,7 @@ class LocalContact:
             "peak", line_load, lambda c: math.log(c.profile.peak_pressure), fade_in=1.0
         )
         if np.any(bend) and not self.opens and math.isfinite(self.mean.model.relative_radius):
-            v = np.maximum(self._over_mean(line_load), self._low)
+            v = np.maximum(self._over_mean(line_load), self._low_end)
             log_peak = log_peak + bend * self._spline("bent")(v)
         with np.errstate(under="ignore"):
             return np.where(line_load > 0, np.exp(log_peak), 0.0)
@@ -185,7 +185,7 @@ class LocalContact:
         if isinstance(self.law, HardContact):
             return self._hard_profiles(line_load, approach)
         log_pressure = self._logarithm(
-            "pressure", line_load, lambda c: np.maximum(c.log_pressure, _NOTHING), fade_in=1.0
+            "pressure", line_load, lambda c: np.maximum(c.log_pressure, _NO_LOAD), fade_in=1.0
         )
         with np.errstate(under="ignore"):
             return np.exp(log_pressure), self.law.gap(log_pressure)
@@ -197,7 +197,7 @@ class LocalContact:
         return self._rungs[0]
 
     def _is_mean(self, line_load: float) -> bool:
-        return abs(line_load / self.mean.line_load - 1.0) < _EVEN
+        return abs(line_load / self.mean.line_load - 1.0) < _LOAD_ACCURACY
 
     @property
     def mean_approach(self) -> float:
@@ -216,29 +216,29 @@ class LocalContact:
 
     def profiles(self, line_loads: Sequence[float]) -> list[PressureProfile]:
         """`profile` of several line loads [N/m]."""
-        known, mean = self._profiles, self.mean.profile
-        new = [f for f in line_loads if f not in known and not self._is_mean(f)]
+        profiles, mean = self._profiles, self.mean.profile
+        new = [f for f in line_loads if f not in profiles and not self._is_mean(f)]
         if new:
             f = np.array(new)
-            for one, p, gap in zip(new, *self.pressure_and_gap(f, self.approach(f)[0]), strict=True):
-                known[one] = replace(mean, pressure=p, gap=gap, largest=None)
-        for f_mean in [f for f in line_loads if f not in known]:
+            for load, p, gap in zip(new, *self.pressure_and_gap(f, self.approach(f)[0]), strict=True):
+                profiles[load] = replace(mean, pressure=p, gap=gap, largest=None)
+        for f_mean in [f for f in line_loads if f not in profiles]:
             contact = self.at_mean
-            known[f_mean] = replace(mean, pressure=contact.pressure, gap=contact.gap, largest=None)
-        return [known[f] for f in line_loads]
+            profiles[f_mean] = replace(mean, pressure=contact.pressure, gap=contact.gap, largest=None)
+        return [profiles[f] for f in line_loads]
 
     def _hard_profiles(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The profiles of smooth surfaces end at another place for each line load: nothing to interpolate."""
         line = self.mean.model.line
-        apart = line.initial_gap + self.mean.loads.opening(self.mean.model)
+        initial_gap = line.initial_gap + self.mean.loads.opening(self.mean.model)
         pressure = np.zeros((len(line_load), len(line.x)))
-        gap = apart - approach[:, None] / self.mean.model.touch_normal_z * line.normal[1]
-        known: dict[float, ContactSolution] = {}
+        gap = initial_gap - approach[:, None] / self.mean.model.touch_normal_z * line.normal[1]
+        contacts: dict[float, ContactSolution] = {}
         for n in np.flatnonzero(line_load > 0).tolist():
             f = float(f"{line_load[n]:.9g}")
-            if f not in known:
-                known[f] = self.at(f)
-            pressure[n], gap[n] = known[f].pressure, known[f].gap
+            if f not in contacts:
+                contacts[f] = self.at(f)
+            pressure[n], gap[n] = contacts[f].pressure, contacts[f].gap
         return pressure, gap
 
     def at(self, line_load: float) -> ContactSolution:
@@ -247,7 +247,7 @@ class LocalContact:
             return self.at_mean
         v = float(self._over_mean(np.array([line_load]))[0])
         k = min(self._rungs, key=lambda k: abs(_STEP * k - v))
-        return self._solved(self.mean.contact_force * line_load / self.mean.line_load, self._rungs[k])
+        return self._solve_near(self.mean.contact_force * line_load / self.mean.line_load, self._rungs[k])
 
     def _logarithm(
         self,
@@ -265,25 +265,25 @@ class LocalContact:
             have, whose contact gets narrower, goes on below the ladder as it does on it.
         """
         v = self._over_mean(line_load)
-        spline, inside = self._spline(name, log_of), np.maximum(v, self._low)
-        found = spline(inside)
-        below = (v - inside).reshape(-1, *(1,) * (found.ndim - 1))
-        power = (spline(0.0) - spline(self._low)) / -self._low if self.opens else fade_in
-        return np.asarray(found + power * below)
+        spline, at = self._spline(name, log_of), np.maximum(v, self._low_end)
+        values = spline(at)
+        distance = (v - at).reshape(-1, *(1,) * (values.ndim - 1))
+        power = (spline(0.0) - spline(self._low_end)) / -self._low_end if self.opens else fade_in
+        return np.asarray(values + power * distance)
 
     def _over_mean(self, line_load: FloatArray) -> FloatArray:
         """ln f over the mean; the ladder reaches there."""
         with np.errstate(divide="ignore"):
-            v = np.maximum(np.log(np.asarray(line_load) / self.mean.line_load), _NOTHING)
-        self._climb(self._lowest if self.opens else float(v.min()), float(v.max()))
+            v = np.maximum(np.log(np.asarray(line_load) / self.mean.line_load), _NO_LOAD)
+        self._climb(self._lowest_rung if self.opens else float(v.min()), float(v.max()))
         return v
 
     @property
-    def _lowest(self) -> float:
+    def _lowest_rung(self) -> float:
         return _LOWEST_SMOOTH if self.opens else _FIRST_LOWEST
 
     @property
-    def _low(self) -> float:
+    def _low_end(self) -> float:
         """ln f over the mean below which everything is extrapolated."""
         return max(self._fades_below, _STEP * (min(self._rungs) + (0 if self.opens else 1)))
 
@@ -297,28 +297,28 @@ class LocalContact:
 
     def _climb(self, lowest: float, highest: float) -> None:
         """Solve the rungs from `lowest` to `highest` ln f over the mean, unless they fade before."""
-        if highest > _HIGHEST:
+        if highest > _HIGHEST_LOAD:
             raise ConvergenceError(
                 f"the line load somewhere around the axis is {math.exp(highest):.3g} times the mean, which the seal "
                 "carries on a small part of its circumference only; make the form error smaller"
             )
-        known = len(self._rungs)
-        top = max(math.ceil(highest / _STEP), 0) + _BEYOND
-        down = min(math.floor(lowest / _STEP) - (0 if self.opens else _BEYOND), -_FEWEST)
-        if self.near is not None:
+        count = len(self._rungs)
+        top = max(math.ceil(highest / _STEP), 0) + _EXTRA_RUNGS
+        bottom = min(math.floor(lowest / _STEP) - (0 if self.opens else _EXTRA_RUNGS), -_FEWEST)
+        if self.neighbour is not None:
             # what it cannot bear this one may
             with suppress(ConvergenceError):
-                self.near._climb(lowest, highest)
-            self._solve(*(k for k in self.near._rungs if down <= k <= top))
+                self.neighbour._climb(lowest, highest)
+            self._solve(*(k for k in self.neighbour._rungs if bottom <= k <= top))
         for k in range(top + 1):
             self._solve(k)
-        k, last = 0, -math.inf if self.opens else self._fades_below
-        while k > down and (_STEP * k > last or k > -_FEWEST):
+        k, fade = 0, -math.inf if self.opens else self._fades_below
+        while k > bottom and (_STEP * k > fade or k > -_FEWEST):
             k -= 1
             self._solve(k)
-            if not self.opens and _STEP * k > last and self._fades(k):
-                self._fades_below = last = _STEP * (k + 1)
-        if len(self._rungs) > known:
+            if not self.opens and _STEP * k > fade and self._fades(k):
+                self._fades_below = fade = _STEP * (k + 1)
+        if len(self._rungs) > count:
             self._splines.clear()
 
     def _solve(self, *rungs: int) -> None:
@@ -326,64 +326,64 @@ class LocalContact:
         if not new:
             return
         model, loads, force = self.mean.model, self.mean.loads, self.mean.contact_force
-        found = self._press(
+        contacts = self._press(
             [
-                ContactProblem(model, self.law, force * math.exp(_STEP * k), loads, start=self._ahead(k))
+                ContactProblem(model, self.law, force * math.exp(_STEP * k), loads, start=self._guess_rung(k))
                 for k in new
             ]
         )
-        self._rungs.update(zip(new, found, strict=True))
+        self._rungs.update(zip(new, contacts, strict=True))
 
     @staticmethod
     def _press(problems: Sequence[ContactProblem]) -> list[ContactSolution]:
-        found = solve_many(problems)
-        for one in found:
-            if isinstance(one, ConvergenceError):
-                raise one
-        return found  # type: ignore[return-value]
+        outcomes = solve_many(problems)
+        for outcome in outcomes:
+            if isinstance(outcome, ConvergenceError):
+                raise outcome
+        return outcomes  # type: ignore[return-value]
 
-    def _ahead(self, k: int) -> ContactSolution:
+    def _guess_rung(self, k: int) -> ContactSolution:
         """Where the solution of a rung is looked for.
 
         As far from the mean as the rung of a contact near this one, or where a polynomial through the rungs before it
         goes.
         """
-        if self.near is not None and k in self.near._rungs and not self.opens:
-            there, mean = self.near._rungs[k], self.near.mean
+        if self.neighbour is not None and k in self.neighbour._rungs and not self.opens:
+            rung, mean = self.neighbour._rungs[k], self.neighbour.mean
             return replace(
                 self.mean,
-                log_pressure=self.mean.log_pressure + (there.log_pressure - mean.log_pressure),
-                approach=self.mean.approach + (there.approach - mean.approach),
+                log_pressure=self.mean.log_pressure + (rung.log_pressure - mean.log_pressure),
+                approach=self.mean.approach + (rung.approach - mean.approach),
             )
         inwards = -1 if k > 0 else 1
-        places = [k + n * inwards for n in range(1, len(_AHEAD) + 1)]
-        near = [self._rungs[place] for place in places if place in self._rungs]
-        if self.opens or not near:
-            return near[0] if near else self.mean
-        weights = np.array(_AHEAD[len(near) - 1])
+        places = [k + n * inwards for n in range(1, len(_EXTRAPOLATIONS) + 1)]
+        rungs = [self._rungs[place] for place in places if place in self._rungs]
+        if self.opens or not rungs:
+            return rungs[0] if rungs else self.mean
+        weights = np.array(_EXTRAPOLATIONS[len(rungs) - 1])
         return replace(
-            near[0],
-            log_pressure=weights @ np.stack([one.log_pressure for one in near]),
-            approach=float(weights @ np.array([one.approach for one in near])),
+            rungs[0],
+            log_pressure=weights @ np.stack([contact.log_pressure for contact in rungs]),
+            approach=float(weights @ np.array([contact.approach for contact in rungs])),
         )
 
-    def _solved(self, contact_force: float, near: ContactSolution) -> ContactSolution:
-        return solve(near.model, self.law, contact_force=contact_force, loads=near.loads, start=near)
+    def _solve_near(self, contact_force: float, start: ContactSolution) -> ContactSolution:
+        return solve(start.model, self.law, contact_force=contact_force, loads=start.loads, start=start)
 
-    def _of_bending(self, contacts: Sequence[ContactSolution]) -> list[float]:
+    def _bend_peaks(self, contacts: Sequence[ContactSolution]) -> list[float]:
         """Change of ln p_peak of contacts for each 1/m by which the gap is bent [m]."""
         line, bend = self.mean.model.line, _BEND / self.mean.model.relative_radius
-        bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
-        model = replace(self.mean.model, line=bent)
-        changed = self._press(
-            [ContactProblem(model, self.law, one.contact_force, one.loads, start=one) for one in contacts]
+        bent_line = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
+        model = replace(self.mean.model, line=bent_line)
+        bent_contacts = self._press(
+            [ContactProblem(model, self.law, c.contact_force, c.loads, start=c) for c in contacts]
         )
-        peaks = [[one.profile.peak_pressure for one in each] for each in (changed, contacts)]
-        return [math.log(now / before) / bend for now, before in zip(*peaks, strict=True)]
+        peaks = [[contact.profile.peak_pressure for contact in group] for group in (bent_contacts, contacts)]
+        return [math.log(bent_peak / peak) / bend for bent_peak, peak in zip(*peaks, strict=True)]
 
     def _fades(self, k: int) -> bool:
         first, second, third = (self._rung_approach(k + n) for n in range(3))
-        return abs((second - first) - (third - second)) < _FADING * abs(third - second)
+        return abs((second - first) - (third - second)) < _FADING_SHARE * abs(third - second)
 
     def _rung_approach(self, k: int) -> float:
         return self._along_normal(self._rungs[k])
@@ -398,7 +398,7 @@ class LocalContact:
             contacts = [self._rungs[k] for k in rungs]
             self._splines[name] = make_interp_spline(
                 _STEP * np.array(rungs),
-                np.array(self._of_bending(contacts) if of is None else [of(one) for one in contacts]),
+                np.array(self._bend_peaks(contacts) if of is None else [of(contact) for contact in contacts]),
                 _DEGREE_UNEVEN if self.opens or name == "fwhm" else _DEGREE,
             )
         return self._splines[name]

@@ -119,7 +119,7 @@ class ContactLine:
     @cached_property
     def hats(self) -> FloatArray:
         """Functions that are one at an element end, zero at the others and linear between, shape (m, ends)."""
-        return np.stack([np.interp(self.x, self.vertices, one) for one in np.eye(len(self.vertices))], axis=1)
+        return np.stack([np.interp(self.x, self.vertices, row) for row in np.eye(len(self.vertices))], axis=1)
 
 
 @dataclass(frozen=True)
@@ -290,16 +290,16 @@ def condense(
     def body(name: str) -> CondensedBody:
         # what the seat changes warms the closure otherwise, too
         if known is not None and not warm and _same_line(known, seal_mesh, x, area_weight):
-            found: CondensedBody = getattr(known, name)
-            if _is_same(found, getattr(seal_mesh, name), materials[name], supports):
-                return found
+            body_before: CondensedBody = getattr(known, name)
+            if _is_same_body(body_before, getattr(seal_mesh, name), materials[name], supports):
+                return body_before
         return _condense_body(
             constrained_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name))
         )
 
     closure, seat = body("closure"), body("seat")
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
-    normal = np.stack([seat.held.trace @ component for component in contact.normal(seat.held.contact_x)])
+    normal = np.stack([seat.fem.trace @ component for component in contact.normal(seat.fem.contact_x)])
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(
@@ -326,28 +326,28 @@ def condense(
         (
             known.harmonics[0]
             if known is not None and closure is known.closure
-            else HarmonicBody(closure.held),
-            HarmonicBody(seat.held),
+            else HarmonicBody(closure.fem),
+            HarmonicBody(seat.fem),
         ),
     )
 
 
-def _same_line(known: ContactModel, seal_mesh: SealMesh, x: FloatArray, area_weight: FloatArray) -> bool:
+def _same_line(model: ContactModel, seal_mesh: SealMesh, x: FloatArray, area_weight: FloatArray) -> bool:
     """Whether the contact line of a model is that of a mesh, to the last digit."""
     return (
-        seal_mesh.contact.initial_contact_radius == known.initial_contact_radius
-        and np.array_equal(x, known.line.x)
-        and np.array_equal(area_weight, known.line.area_weight)
+        seal_mesh.contact.initial_contact_radius == model.initial_contact_radius
+        and np.array_equal(x, model.line.x)
+        and np.array_equal(area_weight, model.line.area_weight)
     )
 
 
-def _is_same(body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None) -> bool:
+def _is_same_body(body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None) -> bool:
     """Whether a body of a model that was condensed before is that of a mesh, to the last digit."""
-    before = body.held.mesh
+    mesh_before = body.fem.mesh
     # supports hold the seat alone
-    to_hold = body.held.name == "seat" and supports is not None and supports.wall == "fixed"
-    alike = np.array_equal(mesh.p, before.p) and np.array_equal(mesh.t, before.t)
-    return alike and material == body.material and to_hold == bool(len(body.held.wall))
+    to_hold = body.fem.name == "seat" and supports is not None and supports.wall == "fixed"
+    is_same_mesh = np.array_equal(mesh.p, mesh_before.p) and np.array_equal(mesh.t, mesh_before.t)
+    return is_same_mesh and material == body.material and to_hold == bool(len(body.fem.wall))
 
 
 def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:
@@ -363,7 +363,7 @@ def _area_weight(contact: ContactGeometry, x: FloatArray, arc_weight: FloatArray
 
 def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
     """Opening of the gap at the points of the line per unit normal force at each, both bodies together [m/N]."""
-    compliance = sum(body.held.trace @ (body.held.trace @ body.compliance.T).T for body in (closure, seat))
+    compliance = sum(body.fem.trace @ (body.fem.trace @ body.compliance.T).T for body in (closure, seat))
     return 0.5 * (compliance + compliance.T)
 
 
@@ -379,32 +379,32 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
     return mesh.p[:, np.unique(mesh.facets[:, (mesh.boundaries or {})[boundary]])]
 
 
-def _condense_body(held: ConstrainedBody) -> CondensedBody:
+def _condense_body(fem: ConstrainedBody) -> CondensedBody:
     forces = {}
-    if len(held.wall):
-        outwards = np.zeros(held.size)
-        outwards[held.wall] = 1.0
-        forces["wall"] = np.asarray(stiffness_matrix(held.mesh, held.material) @ outwards)
-    body = condense_body(held, DissectedBody(held).elastic(), forces)
-    return replace(body, find_loads=lambda: {**body.loads, **dict(_heated(body))})
+    if len(fem.wall):
+        outwards = np.zeros(fem.size)
+        outwards[fem.wall] = 1.0
+        forces["wall"] = np.asarray(stiffness_matrix(fem.mesh, fem.material) @ outwards)
+    body = condense_body(fem, DissectedBody(fem).elastic(), forces)
+    return replace(body, find_loads=lambda: {**body.loads, **dict(_heat_answers(body))})
 
 
-def _heated(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:
+def _heat_answers(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:
     """Answer of an elastic body to a unit of each way to be heated, by name."""
-    held = body.held
-    for name, strain in held.free_strain.items():
+    fem = body.fem
+    for name, strain in fem.free_strain.items():
         if name == "expansion":
             # Nothing keeps a closure from growing as a whole: its displacement is known, and it takes no stress.
-            response = held.counted(grown_by_one(held.mesh))
+            response = fem.remove_rigid_motion(grown_by_one(fem.mesh))
         else:
             assert body.solve is not None  # just condensed
-            force = thermal_load(held.mesh, held.material, at_quadrature_points(held.mesh, strain))
-            response = held.counted(body.solve(force))
-        yield name, BoundaryLoad(0.0, held.trace @ held.normal_displacement(response), response, strain)
+            force = thermal_load(fem.mesh, fem.material, at_quadrature_points(fem.mesh, strain))
+            response = fem.remove_rigid_motion(body.solve(force))
+        yield (name, BoundaryLoad(0.0, fem.trace @ fem.normal_displacement(response), response, strain))
 
 
 # What the wetted surfaces of a seal with one contact line may be called as well.
-_WETTED = {"inner": 0, "outer": 1}
+_SURFACE_NUMBERS = {"inner": 0, "outer": 1}
 
 
 @dataclass(frozen=True)
@@ -441,10 +441,10 @@ class BodyLoads:
 
     def __post_init__(self) -> None:
         for body in ("closure", "seat"):
-            given: Mapping[LoadName, float] = getattr(self, body)
-            if not given.keys().isdisjoint(_WETTED):
-                numbered = {_WETTED.get(str(name), name): size for name, size in given.items()}
-                object.__setattr__(self, body, numbered)
+            magnitudes: Mapping[LoadName, float] = getattr(self, body)
+            if not magnitudes.keys().isdisjoint(_SURFACE_NUMBERS):
+                by_number = {_SURFACE_NUMBERS.get(str(name), name): size for name, size in magnitudes.items()}
+                object.__setattr__(self, body, by_number)
 
     @classmethod
     def of_fluid(
@@ -461,9 +461,9 @@ class BodyLoads:
         at_rest : BodyLoads, optional
             Such as a press fit; without a pressure in the gap.
         """
-        rest = at_rest or cls()
+        others = at_rest or cls()
         fluid: dict[LoadName, float] = dict(enumerate(wetted))
-        return cls({**fluid, **rest.closure}, {**fluid, **rest.seat}, gap_pressure, rest.temperature)
+        return cls({**fluid, **others.closure}, {**fluid, **others.seat}, gap_pressure, others.temperature)
 
     @classmethod
     def press_fit(cls, interference: float) -> BodyLoads:
@@ -482,18 +482,18 @@ class BodyLoads:
 
     def opening(self, model: ContactModel) -> FloatArray:
         """How far these loads move the surfaces apart at the points of the contact line [m], shape (m,)."""
-        apart = np.zeros_like(model.line.x)
+        opening = np.zeros_like(model.line.x)
         for name, body in model.bodies.items():
             for load, magnitude in self.on(name).items():
-                apart = apart + magnitude * body.loads[load].opening
+                opening = opening + magnitude * body.loads[load].opening
         if self.gap_pressure is not None:
-            apart = apart + model.compliance @ (model.line.area_weight * self.gap_pressure)
-        return apart
+            opening = opening + model.compliance @ (model.line.area_weight * self.gap_pressure)
+        return opening
 
     def touch(self, model: ContactModel) -> float:
         """Approach at which the mean planes touch under these loads, zero without any [m]."""
-        apart, axial = model.line.initial_gap, model.line.normal[1]
-        return float(np.min((apart + self.opening(model)) / axial) - np.min(apart / axial))
+        gap, axial = model.line.initial_gap, model.line.normal[1]
+        return float(np.min((gap + self.opening(model)) / axial) - np.min(gap / axial))
 
     def lift(self, model: ContactModel) -> float:
         """Axial force that the loads exert on the closure [N], positive where they lift it."""
@@ -513,30 +513,32 @@ class BodyLoads:
         point_forces : ndarray, shape (m,), optional
             Normal forces of a solid contact at the points of the contact line, which act as well [N].
         """
-        moved = sum(
-            (size * body.loads[name].response for name, size in self.on(body.held.name).items()),
-            np.zeros(body.held.size),
+        displacement = sum(
+            (size * body.loads[name].response for name, size in self.on(body.fem.name).items()),
+            np.zeros(body.fem.size),
         )
-        pressed = [] if point_forces is None else [point_forces]
+        forces = [] if point_forces is None else [point_forces]
         if self.gap_pressure is not None:
-            pressed.append(model.line.area_weight * self.gap_pressure)
-        return moved + body.displacement(np.sum(pressed, axis=0)) if pressed else moved
+            forces.append(model.line.area_weight * self.gap_pressure)
+        return displacement + body.displacement(np.sum(forces, axis=0)) if forces else displacement
 
     def free_strain(self, body: CondensedBody) -> FloatArray | float:
         """Strain of a body under these loads that takes no stress: a number, or one for each node."""
         return sum(
-            (size * body.loads[name].free_strain for name, size in self.on(body.held.name).items()), 0.0
+            (size * body.loads[name].free_strain for name, size in self.on(body.fem.name).items()), 0.0
         )
 
     def face_temperature(
         self, body: CondensedBody, pressure: FloatArray, model: ContactModel
     ) -> float | None:
         """Temperature of a body's face where it carries a pressure (m,), in the mean over it [K]; None if not given."""
-        known = self.temperature.get(body.held.name)
-        if known is None or np.ndim(known) == 0:
-            return None if known is None else float(known)
+        temperature = self.temperature.get(body.fem.name)
+        if temperature is None or np.ndim(temperature) == 0:
+            return None if temperature is None else float(temperature)
         weight = model.line.area_weight * pressure
-        return float(weight @ (body.held.trace @ np.asarray(known)[body.held.contact_nodes]) / weight.sum())
+        return float(
+            weight @ (body.fem.trace @ np.asarray(temperature)[body.fem.contact_nodes]) / weight.sum()
+        )
 
 
 NO_LOADS = BodyLoads()

@@ -26,7 +26,7 @@ _ROUND_OFF = 64 * np.finfo(float).eps
 # Compliance of the bodies at a point over that of the law below which it carries next to nothing: leaving it out of
 # the coupling leaves such a share of the residual. It may be a thousandth of what is left anyway: of the tolerance, or
 # of what Newton's step leaves, a thousandth of the square of the residual. No seal takes more steps by that.
-_LEAST, _MOST, _SPARED, _SQUARED = 1e-8, 1e-4, 1e-3, 1e-3
+_LEAST_SHARE, _LARGEST_SHARE, _SHARE_OF_REST, _SHARE_OF_SQUARE = 1e-8, 1e-4, 1e-3, 1e-3
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
 
@@ -87,12 +87,12 @@ def solve(
     >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
     195 MPa over 0.106 mm
     """
-    (found,) = solve_many(
+    (outcome,) = solve_many(
         [ContactProblem(model, law, contact_force, loads, settings or DEFAULT_SETTINGS, start)]
     )
-    if isinstance(found, ConvergenceError):
-        raise found
-    return found
+    if isinstance(outcome, ConvergenceError):
+        raise outcome
+    return outcome
 
 
 @dataclass(frozen=True)
@@ -125,53 +125,55 @@ class ContactProblem:
 
 
 @single_threaded
-def solve_many(pressings: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
+def solve_many(problems: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
     """`solve` of several: the same to the last digit, in less time where bodies are the same, and laws of one shape.
 
     Parameters
     ----------
-    pressings : sequence of ContactProblem
+    problems : sequence of ContactProblem
 
     Returns
     -------
     list
         Of each its solution, or why there is none.
     """
-    alike: dict[Hashable, list[int]] = {}
-    for number, one in enumerate(pressings):
-        hard = isinstance(one.law, HardContact)
-        kind = number if hard else (id(one.model), one.settings, one.start is None)
-        alike.setdefault(kind, []).append(number)
-    found: dict[int, ContactSolution | ConvergenceError] = {}
-    for numbers in alike.values():
-        found.update(zip(numbers, _solve_alike([pressings[n] for n in numbers]), strict=True))
-    return [found[number] for number in range(len(pressings))]
+    groups: dict[Hashable, list[int]] = {}
+    for number, problem in enumerate(problems):
+        hard = isinstance(problem.law, HardContact)
+        kind = number if hard else (id(problem.model), problem.settings, problem.start is None)
+        groups.setdefault(kind, []).append(number)
+    outcomes: dict[int, ContactSolution | ConvergenceError] = {}
+    for numbers in groups.values():
+        outcomes.update(zip(numbers, _solve_alike([problems[n] for n in numbers]), strict=True))
+    return [outcomes[number] for number in range(len(problems))]
 
 
-def _solve_alike(pressings: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
+def _solve_alike(problems: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
     """Of one model; if they are several with equal settings, and all with a start or none."""
-    first = pressings[0]
+    first = problems[0]
     if isinstance(first.law, HardContact):
         try:
             return [solve_hard(first.model, first.contact_force, first.loads)]
         except ConvergenceError as error:
             return [error]
-    rows = _Rows.of(pressings)
-    starts = [one.start for one in pressings if one.start is not None]
+    rows = _Rows.of(problems)
+    starts = [problem.start for problem in problems if problem.start is not None]
     try:
-        found = _newton(rows, _FLOOR, first.settings, [(one.log_pressure, one.approach) for one in starts])
+        iterations = _newton(
+            rows, _FLOOR, first.settings, [(problem.log_pressure, problem.approach) for problem in starts]
+        )
     except FloatingPointError:
         # of one of them, whose own affair it is
-        if len(pressings) > 1:
-            return [own for one in pressings for own in _solve_alike([one])]
-        found = [(None, [np.inf])]
+        if len(problems) > 1:
+            return [outcome for problem in problems for outcome in _solve_alike([problem])]
+        iterations = [(None, [np.inf])]
     return [
-        _softened_first(one) if state is None else _solution(one, state, residuals)
-        for one, (state, residuals) in zip(pressings, found, strict=True)
+        _solve_from_soft(problem) if state is None else _solution(problem, state, residuals)
+        for problem, (state, residuals) in zip(problems, iterations, strict=True)
     ]
 
 
-def _softened_first(one: ContactProblem) -> ContactSolution | ConvergenceError:
+def _solve_from_soft(problem: ContactProblem) -> ContactSolution | ConvergenceError:
     """What does not come straight at the law: from a soft interface to the law in steps.
 
     It begins anew: where it was looked for before may be too far away even for a soft interface. A stop comes last: the
@@ -179,20 +181,20 @@ def _softened_first(one: ContactProblem) -> ContactSolution | ConvergenceError:
     """
     residuals = [np.inf]
     states: list[State] = []
-    free = _Rows.of([replace(one, model=one.model.with_stop(math.inf))])
+    free = _Rows.of([replace(problem, model=problem.model.with_stop(math.inf))])
     ways = [(free, floor) for floor in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR)]
-    for rows, floor in ways if math.isinf(one.model.stop) else (*ways, (_Rows.of([one]), _FLOOR)):
+    for rows, floor in ways if math.isinf(problem.model.stop) else (*ways, (_Rows.of([problem]), _FLOOR)):
         try:
-            ((state, residuals),) = _newton(rows, floor, one.settings, states)
+            ((state, residuals),) = _newton(rows, floor, problem.settings, states)
         except FloatingPointError:
             state, residuals = None, [np.inf]
         if state is None:
             break
         states = [state]
     return (
-        _solution(one, states[0], residuals)
+        _solution(problem, states[0], residuals)
         if state is not None
-        else _solve_flattened_law(one, states, residuals)
+        else _solve_flattened_law(problem, states, residuals)
     )
 
 
@@ -209,64 +211,64 @@ def _is_all_but_rigid(model: ContactModel, log_pressure: FloatArray, decay_lengt
 
 
 def _solution(
-    one: ContactProblem, state: State, residuals: Sequence[float]
+    problem: ContactProblem, state: State, residuals: Sequence[float]
 ) -> ContactSolution | ConvergenceError:
-    assert not isinstance(one.law, HardContact)  # that has no states
-    if _is_all_but_rigid(one.model, state[0], one.law.decay_length(state[0])):
-        return _solve_flattened_law(one, [state], residuals)
+    assert not isinstance(problem.law, HardContact)  # that has no states
+    if _is_all_but_rigid(problem.model, state[0], problem.law.decay_length(state[0])):
+        return _solve_flattened_law(problem, [state], residuals)
     # the last residual is that of the solution, after which no step is taken
-    return _solution_of_state(one, state, len(residuals) - 1, residuals)
+    return _solution_of_state(problem, state, len(residuals) - 1, residuals)
 
 
 def _solve_flattened_law(
-    one: ContactProblem, states: Sequence[State], residuals: Sequence[float]
+    problem: ContactProblem, states: Sequence[State], residuals: Sequence[float]
 ) -> ContactSolution | ConvergenceError:
     """With a law that is all but rigid, from a state that may still be softer."""
-    assert not isinstance(one.law, HardContact)
-    model, loads = one.model, one.loads or NO_LOADS
-    apart = model.line.initial_gap + loads.opening(model)
-    floor = _FLOOR * model.line_load(one.contact_force) / (np.pi * model.effective_modulus)
+    assert not isinstance(problem.law, HardContact)
+    model, loads = problem.model, problem.loads or NO_LOADS
+    gap = model.line.initial_gap + loads.opening(model)
+    floor = _FLOOR * model.line_load(problem.contact_force) / (np.pi * model.effective_modulus)
     for state in states:
-        found = solve_flattened(
-            model, one.law, one.contact_force, apart, state, floor, one.settings.gap_tolerance
+        solution = solve_flattened(
+            model, problem.law, problem.contact_force, gap, state, floor, problem.settings.gap_tolerance
         )
-        if found is not None:
-            v, d, steps = found
-            return _solution_of_state(one, (v, d), len(residuals) - 1 + steps, residuals)
+        if solution is not None:
+            v, d, steps = solution
+            return _solution_of_state(problem, (v, d), len(residuals) - 1 + steps, residuals)
     return ConvergenceError(
-        f"contact at axial force {one.contact_force:.6g} N (line load {model.line_load(one.contact_force):.6g} N/m) "
-        f"did not converge in {one.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay "
+        f"contact at axial force {problem.contact_force:.6g} N (line load {model.line_load(problem.contact_force):.6g} "
+        f"N/m) did not converge in {problem.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay "
         "lengths, refine [mesh] contact_size or soften the interface law"
     )
 
 
 def _solution_of_state(
-    one: ContactProblem, state: State, steps: int, residuals: Sequence[float]
+    problem: ContactProblem, state: State, steps: int, residuals: Sequence[float]
 ) -> ContactSolution:
-    assert not isinstance(one.law, HardContact)
-    (v, d), carried, line = state, one.contact_force, one.model.line
-    loads, pressure, gap = one.loads or BodyLoads(), np.exp(v), one.law.gap(v)
-    if d >= one.model.stop:
-        carried = min(float((line.normal[1] * line.area_weight) @ pressure), carried)
+    assert not isinstance(problem.law, HardContact)
+    (v, d), carried_force, line = state, problem.contact_force, problem.model.line
+    loads, pressure, gap = problem.loads or BodyLoads(), np.exp(v), problem.law.gap(v)
+    if d >= problem.model.stop:
+        carried_force = min(float((line.normal[1] * line.area_weight) @ pressure), carried_force)
     if not pressure.all():
         # what carries nothing is as far apart as the bodies are: no force depends on its ln p, which is not iterated
         apart = (
             line.initial_gap
-            + loads.opening(one.model)
+            + loads.opening(problem.model)
             - d * line.normal[1]
             + line.lift(float(gap[v.argmax()]))
         )
-        gap = np.where(pressure > 0, gap, apart + one.model.compliance @ (line.area_weight * pressure))
+        gap = np.where(pressure > 0, gap, apart + problem.model.compliance @ (line.area_weight * pressure))
     return ContactSolution(
-        one.model,
-        carried,
+        problem.model,
+        carried_force,
         d,
         v,
         gap,
         steps,
         tuple(residuals),
         loads,
-        stop_force=one.contact_force - carried,
+        stop_force=problem.contact_force - carried_force,
     )
 
 
@@ -293,13 +295,15 @@ class _Rows:
     gap0: FloatArray
 
     @classmethod
-    def of(cls, pressings: Sequence[ContactProblem]) -> _Rows:
-        model = pressings[0].model
+    def of(cls, problems: Sequence[ContactProblem]) -> _Rows:
+        model = problems[0].model
         return cls(
             model,
-            [one.law for one in pressings if not isinstance(one.law, HardContact)],
-            np.array([one.contact_force for one in pressings]),
-            np.stack([model.line.initial_gap + (one.loads or NO_LOADS).opening(model) for one in pressings]),
+            [problem.law for problem in problems if not isinstance(problem.law, HardContact)],
+            np.array([problem.contact_force for problem in problems]),
+            np.stack(
+                [model.line.initial_gap + (problem.loads or NO_LOADS).opening(model) for problem in problems]
+            ),
         )
 
     def chosen(self, rows: NDArray[np.bool_]) -> _Rows:
@@ -326,8 +330,12 @@ class _Rows:
         if np.isinf(self.model.stop):
             return floor * self.softest
         line = self.model.line
-        carried = (line.normal[1] * line.area_weight * np.exp(v)).sum(axis=1) / self.force
-        return floor * self.softest * np.where(d >= self.model.stop, np.minimum(carried, 1.0)[:, None], 1.0)
+        carried_share = (line.normal[1] * line.area_weight * np.exp(v)).sum(axis=1) / self.force
+        return (
+            floor
+            * self.softest
+            * np.where(d >= self.model.stop, np.minimum(carried_share, 1.0)[:, None], 1.0)
+        )
 
     def opened(self, force: FloatArray) -> FloatArray:
         """Opening of the gap by normal forces at the points, shape (rows, m) [m]."""
@@ -340,7 +348,7 @@ class _Rows:
         if line.in_hollow is None:
             return 0.0
         at_peak = np.take_along_axis(separation, v.argmax(axis=1)[:, None], axis=1)
-        return np.stack([np.asarray(line.lift(one)) for one in at_peak[:, 0].tolist()])
+        return np.stack([np.asarray(line.lift(value)) for value in at_peak[:, 0].tolist()])
 
 
 def _newton(
@@ -364,35 +372,37 @@ def _newton(
             v, d = _first_guess(rows, floor)
         d = np.minimum(d, rows.model.stop)
         residuals: list[list[float]] = [[] for _ in v]
-        solved, left = np.zeros(len(v), dtype=bool), np.arange(len(v))
+        is_solved, pending = np.zeros(len(v), dtype=bool), np.arange(len(v))
         for _ in range(settings.max_iterations):
-            at_v, at_d = v[left], d[left]
+            at_v, at_d = v[pending], d[pending]
             hardest = rows.hardest(floor, at_v, at_d)
             decay = rows.decay_length(at_v) + hardest
             gap_residual, missing_force, worst = _residual(rows, hardest, at_v, at_d, decay, settings)
-            for number, one in zip(left.tolist(), worst.tolist(), strict=True):
+            for number, one in zip(pending.tolist(), worst.tolist(), strict=True):
                 residuals[number].append(one)
-            stopped = at_d[:, 0] >= rows.model.stop
-            unheld = np.where(stopped, np.minimum(missing_force, 0.0), missing_force)
-            done = (worst < settings.gap_tolerance) & (np.abs(unheld) < settings.force_tolerance * rows.force)
-            solved[left] = done
-            if done.all():
-                break
-            least = _least_carrying(worst, min(settings.gap_tolerance, settings.force_tolerance))
-            step_v, step_d, stepped = _newton_step(
-                rows.model, at_v, at_d, decay, gap_residual, missing_force, least, ~done
+            at_stop = at_d[:, 0] >= rows.model.stop
+            unheld = np.where(at_stop, np.minimum(missing_force, 0.0), missing_force)
+            is_within = (worst < settings.gap_tolerance) & (
+                np.abs(unheld) < settings.force_tolerance * rows.force
             )
-            for number in left[~(done | stepped)].tolist():
+            is_solved[pending] = is_within
+            if is_within.all():
+                break
+            threshold = _least_carrying(worst, min(settings.gap_tolerance, settings.force_tolerance))
+            step_v, step_d, has_step = _newton_step(
+                rows.model, at_v, at_d, decay, gap_residual, missing_force, threshold, ~is_within
+            )
+            for number in pending[~(is_within | has_step)].tolist():
                 residuals[number].append(np.inf)
-            left = left[stepped]
-            v[left] += step_v[stepped]
-            d[left] += step_d[stepped]
-            if not stepped.all():
-                rows = rows.chosen(stepped)
-            if not len(left):
+            pending = pending[has_step]
+            v[pending] += step_v[has_step]
+            d[pending] += step_d[has_step]
+            if not has_step.all():
+                rows = rows.chosen(has_step)
+            if not len(pending):
                 break
     return [
-        ((v[n].copy(), float(d[n, 0])) if solved[n] else None, residuals[n]) for n in range(len(residuals))
+        ((v[n].copy(), float(d[n, 0])) if is_solved[n] else None, residuals[n]) for n in range(len(residuals))
     ]
 
 
@@ -403,10 +413,10 @@ def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
     variance, theory 2); faces that fit each other get an even pressure.
     """
     line, gap0 = rows.model.line, rows.gap0
-    apart, share = gap0 - gap0.min(axis=1, keepdims=True), line.normal[1] * line.area_weight
+    distance, share = gap0 - gap0.min(axis=1, keepdims=True), line.normal[1] * line.area_weight
     s, hardest = rows.softest, floor * rows.softest
     for _ in range(4):
-        v = -apart / s
+        v = -distance / s
         v += np.log(rows.force / (share * np.exp(v)).sum(axis=1))[:, None]
         s = rows.decay_length(v.max(axis=1, keepdims=True)) + hardest + rows.softest
     opening = rows.opened(line.area_weight * np.exp(v)) + gap0
@@ -431,21 +441,21 @@ def _residual(
     terms = (rows.gap0 + rows.lift(v, separation), -d * line.normal[1], rows.opened(f), -separation)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
-    lost = np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]) + np.abs(terms[3])
-    lost *= _ROUND_OFF
+    scale = np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]) + np.abs(terms[3])
+    scale *= _ROUND_OFF
     if line.in_hollow is not None:
         # the lift is the difference of places
-        lost += _ROUND_OFF * model.initial_contact_radius / 8
-    lost /= settings.gap_tolerance
-    lost += decay
-    worst = np.where(f > 0, np.abs(gap_residual) / lost, 0.0).max(axis=1)
+        scale += _ROUND_OFF * model.initial_contact_radius / 8
+    scale /= settings.gap_tolerance
+    scale += decay
+    worst = np.where(f > 0, np.abs(gap_residual) / scale, 0.0).max(axis=1)
     return gap_residual, rows.force - (line.normal[1] * f).sum(axis=1), worst
 
 
 def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:
     """What a point has to carry to take part in a step from such residuals to a tolerance, shape (rows,) both."""
-    left_anyway = np.maximum(tolerance / np.maximum(worst, tolerance), _SQUARED * worst)
-    return np.minimum(np.maximum(_SPARED * left_anyway, _LEAST), _MOST)
+    residual_left = np.maximum(tolerance / np.maximum(worst, tolerance), _SHARE_OF_SQUARE * worst)
+    return np.minimum(np.maximum(_SHARE_OF_REST * residual_left, _LEAST_SHARE), _LARGEST_SHARE)
 
 
 def _newton_step(
@@ -455,23 +465,23 @@ def _newton_step(
     decay: FloatArray,
     gap_residual: FloatArray,
     missing_force: FloatArray,
-    least: FloatArray,
-    asked: NDArray[np.bool_],
+    threshold: FloatArray,
+    is_pending: NDArray[np.bool_],
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """One Newton step of the states, and which of the rows that are asked have one.
 
-    Points that carry less than `least`, shape (rows,), follow the others explicitly. That the lift follows the highest
-    pressure is left out of the derivative.
+    Points that carry less than `threshold`, shape (rows,), follow the others explicitly. The derivative neglects that
+    the lift follows the highest pressure.
     """
-    n_z, stepped = model.line.normal[1], asked.copy()
+    n_z, has_step = model.line.normal[1], is_pending.copy()
     softness = model.line.area_weight * np.exp(v) / decay
     carries = softness * model.compliance.diagonal()
-    most = carries.max(axis=1, keepdims=True)
-    active = carries > least[:, None] * np.minimum(1.0, most / _SOFT)
-    step_d, opened = np.zeros((len(v), 1)), np.zeros_like(v)
-    for row in asked.nonzero()[0].tolist():
+    largest = carries.max(axis=1, keepdims=True)
+    active = carries > threshold[:, None] * np.minimum(1.0, largest / _SOFT)
+    step_d, opening = np.zeros((len(v), 1)), np.zeros_like(v)
+    for row in is_pending.nonzero()[0].tolist():
         try:
-            step_d[row], opened[row] = _step_of_row(
+            step_d[row], opening[row] = _step_of_row(
                 model,
                 active[row].nonzero()[0],
                 softness[row],
@@ -480,9 +490,9 @@ def _newton_step(
                 model.stop - float(d[row, 0]),
             )
         except np.linalg.LinAlgError:
-            stepped[row] = False
-    step_v = (-gap_residual + step_d * n_z - opened) / decay
-    return np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), step_d, stepped
+            has_step[row] = False
+    step_v = (-gap_residual + step_d * n_z - opening) / decay
+    return np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), step_d, has_step
 
 
 def _step_of_row(
@@ -490,7 +500,7 @@ def _step_of_row(
     active: NDArray[np.intp],
     softness: FloatArray,
     gap_residual: FloatArray,
-    missing: float,
+    missing_force: float,
     room: float,
 ) -> tuple[float, FloatArray]:
     """Step of the approach [m], at most up to the stop, and opening of the gap by that of the pressures [m]."""
@@ -503,12 +513,12 @@ def _step_of_row(
     # Badly scaled, but by its diagonal alone, which does not matter to Cholesky's factors.
     matrix = columns[part].copy()
     matrix.reshape(-1)[:: len(active) + 1] += 1.0 / softness[part]
-    right = np.array([-gap_residual[part], n_z]).T
+    rhs = np.array([-gap_residual[part], n_z]).T
     # symmetric: the transpose is the same matrix in LAPACK's order
-    factor, failed = dpotrf(matrix.T, lower=True, overwrite_a=True, clean=False)
-    if failed:
+    factor, info = dpotrf(matrix.T, lower=True, overwrite_a=True, clean=False)
+    if info:
         raise np.linalg.LinAlgError("the contact is not stable")
-    forces = dpotrs(factor, right, lower=True, overwrite_b=True)[0]
+    forces = dpotrs(factor, rhs, lower=True, overwrite_b=True)[0]
     by_residual, by_approach = forces[:, 0], forces[:, 1]
-    step_d = min(float((missing - n_z @ by_residual) / (n_z @ by_approach)), room)
+    step_d = min(float((missing_force - n_z @ by_residual) / (n_z @ by_approach)), room)
     return step_d, columns @ (by_residual + step_d * by_approach)

@@ -55,8 +55,8 @@ class _BetweenSurfaces(FluidPath, Protocol):
         self, model: ContactModel, at_rest: BodyLoads, fluid_pressure: float, unknowns: FloatArray
     ) -> BodyLoads:
         """Fluid on both bodies and between them, and what acts without it."""
-        wetted = (fluid_pressure, 0.0) if self.side == "inner" else (0.0, fluid_pressure)
-        return BodyLoads.of_fluid(wetted, fluid_pressure * self.share(model.line, unknowns), at_rest)
+        pressures = (fluid_pressure, 0.0) if self.side == "inner" else (0.0, fluid_pressure)
+        return BodyLoads.of_fluid(pressures, fluid_pressure * self.share(model.line, unknowns), at_rest)
 
 
 # Takes a profile, and the largest pressure that each place has carried before [Pa], to that of new faces which lets as
@@ -122,8 +122,8 @@ class PenetratingFluid(_BetweenSurfaces):
         inner, outer = _stretch_above(profile, self.sealing_pressure)
         # Sealed at one point alone the fall would be a step, which no point of the line feels.
         width = max(outer - inner, 1e-3 * float(np.min(np.diff(profile.x))))
-        rising = np.clip((profile.x - inner) / width, 0.0, 1.0)
-        return rising if self.side == "outer" else 1.0 - rising
+        shares = np.clip((profile.x - inner) / width, 0.0, 1.0)
+        return shares if self.side == "outer" else 1.0 - shares
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,8 @@ class FluidAtContact(_BetweenSurfaces):
         front = float(unknowns[0])
         element = int(np.clip(np.searchsorted(line.vertices, front) - 1, 0, len(line.vertices) - 2))
         width = line.vertices[element + 1] - line.vertices[element]
-        rising = np.clip(0.5 + (line.x - front) / width, 0.0, 1.0)
-        return rising if self.side == "outer" else 1.0 - rising
+        shares = np.clip(0.5 + (line.x - front) / width, 0.0, 1.0)
+        return shares if self.side == "outer" else 1.0 - shares
 
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Where the contact pressure first exceeds that of the fluid, seen from the side of the fluid [m].
@@ -222,7 +222,7 @@ class FluidInChambers:
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """What each land holds back."""
         falls = self.falls(_flow_profile(self, profile), fluid_pressure)
-        radii = [float(np.interp(one.centroid, one.x, one.radius)) for one in profile.lands]
+        radii = [float(np.interp(land.centroid, land.x, land.radius)) for land in profile.lands]
         return math.pi * np.square(radii) * np.array(falls) / (self.area * fluid_pressure)
 
 
@@ -235,18 +235,18 @@ def _flow_profile(path: PenetratingFluid | FluidInChambers, profile: PressurePro
 
 def _stretch_above(profile: PressureProfile, pressure: float) -> tuple[float, float]:
     """First and last place at which a profile is above a pressure [m]."""
-    above = np.flatnonzero(profile.pressure >= pressure)
-    return _crossing(profile, pressure, above[0], -1), _crossing(profile, pressure, above[-1], 1)
+    points = np.flatnonzero(profile.pressure >= pressure)
+    return _find_crossing(profile, pressure, points[0], -1), _find_crossing(profile, pressure, points[-1], 1)
 
 
-def _crossing(profile: PressureProfile, pressure: float, inside: int, step: int) -> float:
-    outside = inside + step
-    if not 0 <= outside < len(profile.x):
-        return float(profile.x[inside])
+def _find_crossing(profile: PressureProfile, pressure: float, point: int, step: int) -> float:
+    neighbour = point + step
+    if not 0 <= neighbour < len(profile.x):
+        return float(profile.x[point])
     # Squares: a Hertzian edge falls like a square root, and near its top any profile like a parabola.
-    high, low = profile.pressure[inside] ** 2, profile.pressure[outside] ** 2
+    high, low = profile.pressure[point] ** 2, profile.pressure[neighbour] ** 2
     share = (high - pressure**2) / (high - low)
-    return float(profile.x[inside] + share * (profile.x[outside] - profile.x[inside]))
+    return float(profile.x[point] + share * (profile.x[neighbour] - profile.x[point]))
 
 
 # Error of the fluid pressure in units of the pressure difference that is left for hard contact: its edge moves by steps
@@ -316,10 +316,10 @@ def coupled_contact(
         If nothing is left for the solid contact, or the fluid gets through.
     ConvergenceError
     """
-    solution, found = start, unknowns
+    solution, next_unknowns = start, unknowns
 
     def image(at: FloatArray) -> FloatArray:
-        nonlocal solution, found
+        nonlocal solution, next_unknowns
         pressure, force = balance(seal.loads(1.0, at).lift(seal.model))
         if not force > 0:
             raise OpenSealError(f"nothing is left for the solid contact at {pressure / 1e5:.6g} bar")
@@ -327,8 +327,8 @@ def coupled_contact(
         solution = solve(
             seal.model, seal.law, contact_force=force, loads=loads, settings=seal.settings, start=solution
         )
-        found = seal.path.found(solution.whole, pressure)
-        return found
+        next_unknowns = seal.path.found(solution.whole, pressure)
+        return next_unknowns
 
     low, high = seal.path.bounds(seal.model.line)
     try:
@@ -351,7 +351,7 @@ def coupled_contact(
     except ConvergenceError as error:
         raise ConvergenceError(f"contact and fluid pressure in the gap: {error}", solution) from error
     assert solution is not None
-    return solution, found
+    return solution, next_unknowns
 
 
 def dry_unknowns(
@@ -412,8 +412,8 @@ def solve_penetration(
     >>> contact.contact_force > 500.0, round(contact.applied_force)
     (True, 500)
     """
-    given = _fluid_and_force(applied_force, fluid_pressure)
-    carried = expected_force(
+    balance = _fluid_and_force(applied_force, fluid_pressure)
+    force = expected_force(
         seal.model.initial_contact_radius,
         fluid_pressure,
         applied_force,
@@ -422,7 +422,7 @@ def solve_penetration(
         _SHARES[-1],
     )
     try:
-        return coupled_contact(seal, given, dry_unknowns(seal, carried, fluid_pressure, start), start)[0]
+        return coupled_contact(seal, balance, dry_unknowns(seal, force, fluid_pressure, start), start)[0]
     except (OpenSealError, ConvergenceError):
         if not fluid_lifts(seal, applied_force):
             raise
@@ -459,17 +459,17 @@ def least_applied_force(seal: CoupledContact, fluid_pressure: float) -> float | 
         [Pa]
     """
     fluid_force = math.pi * seal.model.initial_contact_radius**2 * fluid_pressure
-    contact, met = None, []
+    contact, forces = None, []
     for shares in (_SHARES[-1:], _SHARES):
         with suppress(OpenSealError, ConvergenceError):
             for share in shares:
                 contact = solve_at_contact_force(
                     seal, contact_force=share * fluid_force, fluid_pressure=fluid_pressure, start=contact
                 )
-                met.append(contact.applied_force)
-        if met:
+                forces.append(contact.applied_force)
+        if forces:
             break
-    return min(met, default=None)
+    return min(forces, default=None)
 
 
 def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
@@ -544,7 +544,7 @@ class _Step:
     unknowns: FloatArray | None = None
 
 
-def _step(seal: CoupledContact, applied_force: float, share: float, before: _Step) -> _Step:
+def _step(seal: CoupledContact, applied_force: float, share: float, last_step: _Step) -> _Step:
     force, pressure = share * applied_force, math.nan
 
     def balance(lift: float) -> tuple[float, float]:
@@ -552,11 +552,11 @@ def _step(seal: CoupledContact, applied_force: float, share: float, before: _Ste
         pressure = (applied_force - force) / lift
         return pressure, force
 
-    unknowns = before.unknowns
+    unknowns = last_step.unknowns
     if unknowns is None:
         expected = (applied_force - force) / (math.pi * seal.model.initial_contact_radius**2)
         unknowns = dry_unknowns(seal, force, expected, None)
-    contact, unknowns = coupled_contact(seal, balance, unknowns, before.contact)
+    contact, unknowns = coupled_contact(seal, balance, unknowns, last_step.contact)
     return _Step(share, pressure, contact, unknowns)
 
 
@@ -570,39 +570,39 @@ def _way_to_blow_off(seal: CoupledContact, applied_force: float) -> list[_Step]:
         try:
             way.append(_step(seal, applied_force, share, way[-1]))
         except OpenSealError:
-            way += _last_closed(seal, applied_force, way[-1], share)
+            way += _last_step(seal, applied_force, way[-1], share)
             break
         if way[-1].pressure < way[-2].pressure:
-            turning = _turning_point(seal, applied_force, way[-3:])
-            return [*(step for step in way[:-1] if step.share > turning.share), turning]
+            turning_point = _turning_point(seal, applied_force, way[-3:])
+            return [*(step for step in way[:-1] if step.share > turning_point.share), turning_point]
     return way
 
 
-def _last_closed(seal: CoupledContact, applied_force: float, closed: _Step, open_share: float) -> list[_Step]:
+def _last_step(seal: CoupledContact, applied_force: float, step: _Step, open_share: float) -> list[_Step]:
     """The contact just before the fluid gets through, which it does at `open_share`."""
-    found: list[_Step] = []
-    while closed.share > (1 + _CLOSE) * open_share:
-        share = math.sqrt(closed.share * open_share)
+    steps: list[_Step] = []
+    while step.share > (1 + _CLOSE) * open_share:
+        share = math.sqrt(step.share * open_share)
         try:
-            closed = _step(seal, applied_force, share, closed)
-            found = [closed]
+            step = _step(seal, applied_force, share, step)
+            steps = [step]
         except OpenSealError:
             open_share = share
-    return found
+    return steps
 
 
-def _turning_point(seal: CoupledContact, applied_force: float, around: list[_Step]) -> _Step:
+def _turning_point(seal: CoupledContact, applied_force: float, steps: list[_Step]) -> _Step:
     """Where the fluid pressure is largest among three steps, and beyond which less of it lifts more."""
     from scipy.optimize import minimize_scalar
 
-    first, _, last = around
+    begin, _, end = steps
     place = minimize_scalar(
-        lambda log_share: -_step(seal, applied_force, math.exp(log_share), first).pressure,
-        bounds=(math.log(last.share), math.log(first.share)),
+        lambda log_share: -_step(seal, applied_force, math.exp(log_share), begin).pressure,
+        bounds=(math.log(end.share), math.log(begin.share)),
         method="bounded",
         options={"xatol": 1e-3},
     )
-    return _step(seal, applied_force, math.exp(place.x), first)
+    return _step(seal, applied_force, math.exp(place.x), begin)
 
 
 def contact_near_blow_off(
@@ -612,17 +612,17 @@ def contact_near_blow_off(
     way = _way_to_blow_off(seal, applied_force)
     if fluid_pressure >= way[-1].pressure:
         raise OpenSealError(
-            f"the fluid lifts the {seal.model.closure.held.label} off: an applied force of {applied_force:.6g} N holds "
-            f"{way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
+            f"the fluid lifts the {seal.model.closure.fem.label} off: an applied force of {applied_force:.6g} N "
+            f"holds {way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
             way[-1].pressure,
         )
-    after = next(n for n, step in enumerate(way) if step.pressure > fluid_pressure)
-    if way[after].contact is None:
+    number = next(n for n, step in enumerate(way) if step.pressure > fluid_pressure)
+    if way[number].contact is None:
         raise ConvergenceError(
-            f"at {fluid_pressure / 1e5:.6g} bar the smooth contact carries less than {way[after - 1].share:g} of the "
+            f"at {fluid_pressure / 1e5:.6g} bar the smooth contact carries less than {way[number - 1].share:g} of the "
             f"applied force and is narrower than its elements; it opens at {way[-1].pressure / 1e5:.6g} bar"
         )
-    before, steps = way[after - 1], [way[after]]
+    last_step, steps = way[number - 1], [way[number]]
 
     def miss(log_share: float) -> float:
         if log_share == 0:
@@ -630,8 +630,8 @@ def contact_near_blow_off(
         steps.append(_step(seal, applied_force, math.exp(log_share), steps[-1]))
         return steps[-1].pressure / fluid_pressure - 1
 
-    root_between(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
-    nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
-    assert nearest.unknowns is not None
-    given = _fluid_and_force(applied_force, fluid_pressure)
-    return coupled_contact(seal, given, nearest.unknowns, nearest.contact)[0]
+    root_between(miss, math.log(last_step.share), math.log(way[number].share), xtol=1e-6)
+    closest_step = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
+    assert closest_step.unknowns is not None
+    balance = _fluid_and_force(applied_force, fluid_pressure)
+    return coupled_contact(seal, balance, closest_step.unknowns, closest_step.contact)[0]

@@ -37,7 +37,7 @@ from fem_seal.errors import ConvergenceError
 
 
 @dataclass(frozen=True)
-class HeldByBolts:
+class TightenedBolts:
     """Bolts that were tightened at the last load of a path without them, and give the force of those after it.
 
     Parameters
@@ -69,7 +69,7 @@ class PathLoad:
         How the fluid gets between the surfaces; what the solid contact carries is found with it.
     fluid_pressure : float
         Pressure difference across the seal [Pa].
-    held : HeldByBolts, optional
+    bolts : TightenedBolts, optional
         Bolts whose force stands in place of `force`, which is then the first guess.
     """
 
@@ -77,7 +77,7 @@ class PathLoad:
     further: BodyLoads = NO_LOADS
     path: FluidPath | None = field(default=None, repr=False, kw_only=True)
     fluid_pressure: float = field(default=0.0, kw_only=True)
-    held: HeldByBolts | None = field(default=None, repr=False, kw_only=True)
+    bolts: TightenedBolts | None = field(default=None, repr=False, kw_only=True)
 
     def __str__(self) -> str:
         fluid = "" if self.path is None else f" at {self.fluid_pressure / 1e5:.6g} bar"
@@ -106,13 +106,13 @@ class PathLoad:
             return None
         return solve(model, law, contact_force=self.force, loads=self.further, start=start)
 
-    def between(self, other: PathLoad, way: float) -> PathLoad:
+    def interpolate(self, other: PathLoad, way: float) -> PathLoad:
         """The load a share `way` of the way to another one, with that one's fluid."""
         return replace(
             other,
             force=(1 - way) * self.force + way * other.force,
             fluid_pressure=(1 - way) * self.fluid_pressure + way * other.fluid_pressure,
-            further=_between(self.further, other.further, way),
+            further=_interpolate_loads(self.further, other.further, way),
         )
 
     def change(self, other: PathLoad, initial_contact_radius: float) -> float:
@@ -121,28 +121,28 @@ class PathLoad:
         In the force that is left to the contact, or in spring and fluid together.
         """
         area = math.pi * initial_contact_radius**2
-        forces = [(one.force, area * one.fluid_pressure) for one in (self, other)]
+        forces = [(load.force, area * load.fluid_pressure) for load in (self, other)]
         sign = -1 if self.path is not None and self.path.side == "inner" else 1
-        left = _share(*(max(spring + sign * fluid, 0.0) for spring, fluid in forces))
-        largest = max(abs(spring) + fluid for spring, fluid in forces)
+        closing_change = _share(*(max(spring + sign * fluid, 0.0) for spring, fluid in forces))
+        largest_force = max(abs(spring) + fluid for spring, fluid in forces)
         (spring, fluid), (next_spring, next_fluid) = forces
-        together = abs(next_spring - spring) + abs(next_fluid - fluid)
-        return min(max(left, together / largest if largest > 0 else 0.0), 1.0)
+        total_change = abs(next_spring - spring) + abs(next_fluid - fluid)
+        return min(max(closing_change, total_change / largest_force if largest_force > 0 else 0.0), 1.0)
 
-    def after(self, contacts: Sequence[ContactSolution]) -> PathLoad:
+    def after_contacts(self, contacts: Sequence[ContactSolution]) -> PathLoad:
         """The load after some contacts, whose pressures the fluid between the surfaces feels."""
         if self.path is None or not contacts:
             return self
         return replace(self, path=self.path.after(np.max([contact.pressure for contact in contacts], axis=0)))
 
-    def balanced(self, here: Equilibrium, law: Law, tightened: float) -> PathLoad:
+    def balance_bolts(self, balance: Equilibrium, law: Law, bolted_at: float) -> PathLoad:
         """The load with the force of its bolts, where the bodies answer as they do when linearised here.
 
         Parameters
         ----------
-        here : Equilibrium
+        balance : Equilibrium
         law : InterfaceLaw or HardContact
-        tightened : float
+        bolted_at : float
             Approach at which the bolts were tightened [m].
 
         Raises
@@ -151,31 +151,31 @@ class PathLoad:
             If a fluid lifts the closure off.
         ConvergenceError
         """
-        held, linear, contact = self.held, here.linear, here.contact
-        assert held is not None and linear is not None and contact is not None  # of all who ask
+        bolts, linear, contact = self.bolts, balance.linear, balance.contact
+        assert bolts is not None and linear is not None and contact is not None  # of all who ask
 
         def approach(force: float) -> float:
             nonlocal contact
-            contact = replace(self, force=force + held.end_force).contact(linear, law, contact)
+            contact = replace(self, force=force + bolts.end_force).contact(linear, law, contact)
             if contact is None:
                 raise ConvergenceError(f"bolts with {force:.6g} N leave nothing to the contact")
             return contact.approach
 
-        force = held_force(held.bolts, held.preload, approach, tightened)
-        return replace(self, force=force + held.end_force)
+        force = held_force(bolts.bolts, bolts.preload, approach, bolted_at)
+        return replace(self, force=force + bolts.end_force)
 
-    def past_stop(self, here: Equilibrium) -> Equilibrium | None:
+    def past_stop(self, balance: Equilibrium) -> Equilibrium | None:
         """The balance under this load where it leaves linearised bodies at the stop that are there; else None."""
-        contact, unknown = here.contact, here.linear is None or self.path is not None
-        if unknown or contact is None or not here.at_stop or self.force < contact.contact_force:
+        contact, unknown = balance.contact, balance.linear is None or self.path is not None
+        if unknown or contact is None or not balance.at_stop or self.force < contact.contact_force:
             return None
-        return replace(here, contact=replace(contact, stop_force=self.force - contact.contact_force))
+        return replace(balance, contact=replace(contact, stop_force=self.force - contact.contact_force))
 
-    def relieved(self, here: Equilibrium) -> PathLoad:
+    def without_stop(self, balance: Equilibrium) -> PathLoad:
         """The load under which bodies are in balance, without the force of the stop, which goes first."""
-        if not here.at_stop or here.contact is None or self.path is not None:
+        if not balance.at_stop or balance.contact is None or self.path is not None:
             return self
-        return replace(self, force=here.contact.contact_force)
+        return replace(self, force=balance.contact.contact_force)
 
     def rest(self, further: BodyLoads) -> PathLoad:
         """The same way of loading with nothing that presses, where these loads act."""
@@ -187,7 +187,7 @@ def _share(first: float, second: float) -> float:
     return abs(second - first) / scale if scale > 0 else 0.0
 
 
-def _between(first: BodyLoads, second: BodyLoads, way: float) -> BodyLoads:
+def _interpolate_loads(first: BodyLoads, second: BodyLoads, way: float) -> BodyLoads:
     """Loads a share `way` of the way from some to others."""
     shares = [
         share * load.gap_pressure
@@ -195,14 +195,14 @@ def _between(first: BodyLoads, second: BodyLoads, way: float) -> BodyLoads:
         if load.gap_pressure is not None
     ]
     return BodyLoads(
-        _mix_iterates(first.closure, second.closure, way),
-        _mix_iterates(first.seat, second.seat, way),
+        _interpolate_magnitudes(first.closure, second.closure, way),
+        _interpolate_magnitudes(first.seat, second.seat, way),
         np.sum(shares, axis=0) if shares else None,
         second.temperature or first.temperature,
     )
 
 
-def _mix_iterates(
+def _interpolate_magnitudes(
     first: Mapping[LoadName, float], second: Mapping[LoadName, float], way: float
 ) -> dict[LoadName, float]:
     return {
@@ -228,7 +228,7 @@ class Equilibrium:
         Largest nodal force out of balance over the largest that the elements put on a node, one per iteration.
     linear : ContactModel or None
         The bodies linearised there, of which nothing but the contact line is kept; None before the first load.
-    flowed : bool
+    has_flowed : bool
         Whether a body has yielded in the step.
     """
 
@@ -236,23 +236,24 @@ class Equilibrium:
     contact: ContactSolution | None
     residuals: tuple[float, ...]
     linear: ContactModel | None = None
-    flowed: bool = False
+    has_flowed: bool = False
 
     @property
     def plastic_strain(self) -> float:
         """Largest accumulated plastic strain of all bodies [-]."""
-        return max((float(one.plastic.accumulated.max()) for one in self.states.values()), default=0.0)
+        strains = (state.plastic.accumulated_strain for state in self.states.values())
+        return max((float(strain.max()) for strain in strains), default=0.0)
 
     @property
     def at_stop(self) -> bool:
         """Whether a stop carries some of the force."""
         return self.contact is not None and self.contact.stop_force > 0
 
-    def ahead(self, before: Equilibrium, share: float) -> dict[str, FloatArray]:
-        """Displacements of the bodies that yield, extrapolated by a share of the step from `before` to here [m]."""
+    def extrapolate(self, start: Equilibrium, share: float) -> dict[str, FloatArray]:
+        """Displacements of the bodies that yield, extrapolated by a share of the step from `start` to here [m]."""
         return {
-            name: here.displacement + share * (here.displacement - before.states[name].displacement)
-            for name, here in self.states.items()
+            name: state.displacement + share * (state.displacement - start.states[name].displacement)
+            for name, state in self.states.items()
         }
 
 
@@ -261,7 +262,7 @@ def press(
     bodies: Mapping[str, YieldingBody],
     law: Law,
     load: PathLoad,
-    before: Mapping[str, BodyState],
+    start_states: Mapping[str, BodyState],
     *,
     settings: PlasticSettings | None = None,
     start: ContactSolution | None = None,
@@ -279,7 +280,7 @@ def press(
     law : InterfaceLaw or HardContact
     load : PathLoad
         What acts at the end of the step.
-    before : mapping
+    start_states : mapping
         States of the yielding bodies at the beginning of the step.
     settings : PlasticSettings, optional
     start : ContactSolution, optional
@@ -297,24 +298,24 @@ def press(
     ConvergenceError
         If the iteration does not reach the tolerance, or something flows that should not.
     """
-    settings, step = settings or PlasticSettings(), _Step(model, bodies, before, load.further)
-    guess = guess or {name: state.displacement for name, state in before.items()}
+    settings, step = settings or PlasticSettings(), _Step(model, bodies, start_states, load.further)
+    guess = guess or {name: state.displacement for name, state in start_states.items()}
     at = step.at(guess, load.further, None)
-    contact, allowed, residuals = start, np.inf, list[float]()
+    contact, limit, residuals = start, np.inf, list[float]()
     for _ in range(settings.max_iterations):
-        if elastic and at.flowing:
+        if elastic and at.is_flowing:
             raise ConvergenceError("something flows")
         linear, at_rest = step.linear(at)
         contact = _solve_from(linear, law, load, contact)
         loads = load.further if contact is None else contact.loads
-        whole = step.at(step.moved(linear, at_rest, loads, contact), loads, contact)
-        residuals.append(whole.imbalance)
-        if whole.imbalance < settings.tolerance:
+        full = step.at(step.find_displacements(linear, at_rest, loads, contact), loads, contact)
+        residuals.append(full.imbalance)
+        if full.imbalance < settings.tolerance:
             # The contact was solved with linearised bodies; it is one of the true ones.
-            true = None if contact is None else replace(contact, model=model)
-            return Equilibrium(whole.states, true, tuple(residuals), linear.line_alone, whole.flowing)
-        at = whole if whole.imbalance < allowed else step.shortened(at, whole)
-        allowed = at.imbalance
+            solution = None if contact is None else replace(contact, model=model)
+            return Equilibrium(full.states, solution, tuple(residuals), linear.line_alone, full.is_flowing)
+        at = full if full.imbalance < limit else step.shorten_step(at, full)
+        limit = at.imbalance
     raise ConvergenceError(
         f"the forces in the bodies are out of balance by {residuals[-1]:.2g} of the largest after "
         f"{settings.max_iterations} iterations"
@@ -360,7 +361,7 @@ class _Iterate:
     imbalance: float
 
     @property
-    def flowing(self) -> bool:
+    def is_flowing(self) -> bool:
         """Whether something flows."""
         return any(bool(flow.yielding.any()) for flow in self.flows.values())
 
@@ -378,7 +379,7 @@ class _Step:
 
     model: ContactModel
     bodies: Mapping[str, YieldingBody]
-    before: Mapping[str, BodyState]
+    start_states: Mapping[str, BodyState]
     at_rest: BodyLoads
     """Of which heat is the same throughout the step."""
 
@@ -389,39 +390,36 @@ class _Step:
         contact: ContactSolution | None,
     ) -> _Iterate:
         """Iterate at some displacements under some loads."""
-        pressed = np.zeros_like(self.model.line.x) if contact is None else contact.point_forces
+        contact_forces = np.zeros_like(self.model.line.x) if contact is None else contact.point_forces
         if loads.gap_pressure is not None:
-            pressed = pressed + self.model.line.area_weight * loads.gap_pressure
+            contact_forces = contact_forces + self.model.line.area_weight * loads.gap_pressure
         forces = {
-            name: body.held.nodal_forces(pressed) + _further_forces(body.held, loads.on(name))
+            name: body.fem.nodal_forces(contact_forces) + _further_forces(body.fem, loads.on(name))
             for name, body in self.bodies.items()
         }
         return self._at(displacements, forces)
 
     def _at(self, displacements: Mapping[str, FloatArray], forces: Mapping[str, FloatArray]) -> _Iterate:
         flows = {
-            name: body.solid.respond(displacements[name], self.before[name], self._free_strain[name])
+            name: body.solid.respond(displacements[name], self.start_states[name], self._free_strain[name])
             for name, body in self.bodies.items()
         }
-        worst = max((self._imbalance(name, flows[name], forces[name]) for name in flows), default=0.0)
-        return _Iterate(displacements, flows, forces, worst)
+        imbalance = max((self._imbalance(name, flows[name], forces[name]) for name in flows), default=0.0)
+        return _Iterate(displacements, flows, forces, imbalance)
 
-    def shortened(self, at: _Iterate, whole: _Iterate) -> _Iterate:
+    def shorten_step(self, at: _Iterate, full: _Iterate) -> _Iterate:
         """The best balanced place on the way from one iterate to another.
 
         The next contact is linearised there; that it has solved the contact itself is not asked of an iterate.
         """
 
-        def mixed(first: FloatArray, second: FloatArray, share: float) -> FloatArray:
+        def mix(first: FloatArray, second: FloatArray, share: float) -> FloatArray:
             return (1 - share) * first + share * second
 
         candidates = (
             self._at(
-                {
-                    name: mixed(at.displacements[name], whole.displacements[name], share)
-                    for name in self.bodies
-                },
-                {name: mixed(at.forces[name], whole.forces[name], share) for name in self.bodies},
+                {name: mix(at.displacements[name], full.displacements[name], share) for name in self.bodies},
+                {name: mix(at.forces[name], full.forces[name], share) for name in self.bodies},
             )
             for share in _SHARES
         )
@@ -432,11 +430,11 @@ class _Step:
         model, gap, at_rest = self.model, self.model.line.initial_gap, {}
         bodies = model.bodies
         for name, body in self.bodies.items():
-            heat = _heat(body.held, self.at_rest.on(name))
+            heat = _heat(body.fem, self.at_rest.on(name))
             bodies[name], at_rest[name] = body.linear(
                 bodies[name], at.displacements[name], at.flows[name], heat
             )
-            gap = gap + body.held.trace @ body.held.normal_displacement(at_rest[name])
+            gap = gap + body.fem.trace @ body.fem.normal_displacement(at_rest[name])
         linear = replace(
             model,
             line=replace(model.line, initial_gap=gap),
@@ -446,7 +444,7 @@ class _Step:
         )
         return linear, at_rest
 
-    def moved(
+    def find_displacements(
         self,
         linear: ContactModel,
         at_rest: Mapping[str, FloatArray],
@@ -454,54 +452,52 @@ class _Step:
         contact: ContactSolution | None,
     ) -> dict[str, FloatArray]:
         """Displacements of the linearised bodies that yield (dofs,) [m]."""
-        found = {}
+        displacements = {}
         for name in self.bodies:
-            pressed = None if contact is None else contact.point_forces
-            found[name] = at_rest[name] + loads.displacement(linear.bodies[name], linear, pressed)
-        return found
+            forces = None if contact is None else contact.point_forces
+            displacements[name] = at_rest[name] + loads.displacement(linear.bodies[name], linear, forces)
+        return displacements
 
     @cached_property
     def _free_strain(self) -> dict[str, FloatArray | float]:
         """Strain of each body at its quadrature points that takes no stress."""
-        found: dict[str, FloatArray | float] = {}
+        strains: dict[str, FloatArray | float] = {}
         for name, body in self.bodies.items():
-            held = body.held
-            heated = [
-                size * held.free_strain[way] for way, size in _heat(held, self.at_rest.on(name)).items()
-            ]
-            found[name] = at_quadrature_points(held.mesh, np.sum(heated, axis=0)) if heated else 0.0
-        return found
+            fem = body.fem
+            parts = [size * fem.free_strain[way] for way, size in _heat(fem, self.at_rest.on(name)).items()]
+            strains[name] = at_quadrature_points(fem.mesh, np.sum(parts, axis=0)) if parts else 0.0
+        return strains
 
     def _imbalance(self, name: str, flow: StressUpdate, forces: FloatArray) -> float:
         """Largest free nodal force out of balance over the largest that the elements put on a node in the step."""
         body, internal = self.bodies[name], self.bodies[name].solid.internal_forces
-        unbalanced = internal(flow.stress) - forces
+        residual = internal(flow.stress) - forces
         scale = max(self._scales[name], float(np.abs(internal(np.abs(flow.stress))).max()))
-        return float(np.abs(unbalanced[body.held.free]).max()) / scale if scale > 0 else 0.0
+        return float(np.abs(residual[body.fem.free]).max()) / scale if scale > 0 else 0.0
 
     @cached_property
     def _scales(self) -> dict[str, float]:
         """Largest force that the elements of each body put on a node before the step, or would if kept from growing."""
-        found = {}
+        scales = {}
         for name, body in self.bodies.items():
             # what grows freely has no stress to measure by, only the one that would keep it from growing
             stresses = [
-                np.abs(self.before[name].stress),
+                np.abs(self.start_states[name].stress),
                 body.solid.restraint_stress(self._free_strain[name]),
             ]
-            found[name] = max(float(np.abs(body.solid.internal_forces(one)).max()) for one in stresses)
-        return found
+            scales[name] = max(float(np.abs(body.solid.internal_forces(stress)).max()) for stress in stresses)
+        return scales
 
 
-def _further_forces(held: ConstrainedBody, magnitudes: Mapping[LoadName, float]) -> FloatArray:
+def _further_forces(body: ConstrainedBody, magnitudes: Mapping[LoadName, float]) -> FloatArray:
     """Balanced nodal forces of loads away from the contact line."""
-    forces = (size * held.further[name] for name, size in magnitudes.items() if name in held.further)
-    return held.balanced(sum(forces, np.zeros(held.size)))
+    forces = (size * body.further[name] for name, size in magnitudes.items() if name in body.further)
+    return body.balance_forces(sum(forces, np.zeros(body.size)))
 
 
-def _heat(held: ConstrainedBody, magnitudes: Mapping[LoadName, float]) -> dict[str, float]:
+def _heat(body: ConstrainedBody, magnitudes: Mapping[LoadName, float]) -> dict[str, float]:
     """Those of the loads that heat a body."""
-    return {name: magnitudes[name] for name in held.free_strain if name in magnitudes}
+    return {name: magnitudes[name] for name in body.free_strain if name in magnitudes}
 
 
 def _solve_from(
@@ -546,14 +542,14 @@ class PlasticSettings:
 class YieldingBody:
     """A body of the seal that yields: where it is touched and held, and its solid."""
 
-    held: ConstrainedBody
+    fem: ConstrainedBody
 
     @cached_property
     def solid(self) -> ElastoplasticBody:
         """The elastoplastic solid."""
-        nodes, mesh = self.held.temperature, self.held.mesh
+        nodes, mesh = self.fem.temperature, self.fem.mesh
         warm = None if nodes is None else at_quadrature_points(mesh, nodes)
-        return ElastoplasticBody(mesh, self.held.material, warm)
+        return ElastoplasticBody(mesh, self.fem.material, warm)
 
     def linear(
         self, elastic: CondensedBody, displacement: FloatArray, flow: StressUpdate, heat: Mapping[str, float]
@@ -573,32 +569,32 @@ class YieldingBody:
         """
         internal = self.solid.internal_forces(flow.stress)
         if flow.yielding.any() or elastic.solve is None:
-            body = self._condensed(flow, internal)
+            body = self._condense(flow, internal)
             at_rest = displacement - body.loads["stress"].response
         else:
             body = elastic
-            at_rest = displacement - self.held.counted(elastic.solve(internal))
-        if len(self.held.wall):
+            at_rest = displacement - self.fem.remove_rigid_motion(elastic.solve(internal))
+        if len(self.fem.wall):
             # back to where no press fit holds it
-            at_rest = at_rest + displacement[self.held.wall[0]] * body.loads["wall"].response
+            at_rest = at_rest + displacement[self.fem.wall[0]] * body.loads["wall"].response
         for name, size in heat.items():
             # back to where it is cold, by the same way on which the contact heats it again
             at_rest = at_rest - size * body.loads[name].response
         return body, at_rest
 
-    def _condensed(self, flow: StressUpdate, internal: FloatArray) -> CondensedBody:
+    def _condense(self, flow: StressUpdate, internal: FloatArray) -> CondensedBody:
         """The body with its tangents, and what it answers to its own internal forces (dofs,) [N] as "stress"."""
-        solid, wall, forces = self.solid, self.held.wall, {"stress": internal}
+        solid, wall, forces = self.solid, self.fem.wall, {"stress": internal}
         if len(wall):
-            outwards = np.zeros(self.held.size)
+            outwards = np.zeros(self.fem.size)
             outwards[wall] = 1.0
-            pulled = np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards))
-            forces["wall"] = solid.internal_forces(pulled)
-        body = condense_body(self.held, self._dissected.condensed(flow), forces)
+            stress = np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards))
+            forces["wall"] = solid.internal_forces(stress)
+        body = condense_body(self.fem, self._dissected_body.condense(flow), forces)
         # how it got where it is with its heat stands in its displacement, from which this way is not counted back
-        unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.size))
-        return body.with_loads({**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})
+        no_answer = BoundaryLoad(0.0, np.zeros(self.fem.trace.shape[0]), np.zeros(self.fem.size))
+        return body.with_loads({**body.loads, **dict.fromkeys(self.fem.free_strain, no_answer)})
 
     @cached_property
-    def _dissected(self) -> DissectedBody:
-        return DissectedBody(self.held, self.solid)
+    def _dissected_body(self) -> DissectedBody:
+        return DissectedBody(self.fem, self.solid)

@@ -36,7 +36,7 @@ _CORE, _EDGE = 3.0, 2.0
 _MOST_ELEMENTS = 1500
 
 # Places at which faces are looked at for further lands.
-_LOOKED_AT = 2001
+_PLACES = 2001
 
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
@@ -78,11 +78,11 @@ class Opening:
         reach, steps = abs(end), np.geomspace(1e-7, 1.0, 300)
         breaks = contact.breaks[(contact.breaks * end > 0) & (np.abs(contact.breaks) < reach)]
         # The gap may begin to open at a break, such as the edge of a land. Few breaks matter: those nearest.
-        nearest = np.sort(np.abs(breaks))[:3]
-        beyond = (
-            [edge + (reach - edge) * steps[::3] for edge in np.resize(nearest, 3)] if len(nearest) else []
+        edges = np.sort(np.abs(breaks))[:3]
+        behind_edges = (
+            [edge + (reach - edge) * steps[::3] for edge in np.resize(edges, 3)] if len(edges) else []
         )
-        distance = np.sort(np.concatenate([steps * reach, *beyond]))
+        distance = np.sort(np.concatenate([steps * reach, *behind_edges]))
         gap = contact.gap(math.copysign(1.0, end) * distance)
         gap = np.maximum.accumulate(np.where(np.isnan(gap), np.inf, np.maximum(gap, 0.0)))
         count = 600
@@ -114,10 +114,10 @@ class Opening:
         """
         close = np.concatenate([[False], self.gap <= gap, [False]])
         ends = np.flatnonzero(close[1:] != close[:-1]).reshape(-1, 2)
-        found = [(float(self.x[first]), float(self.x[last - 1])) for first, last in ends]
-        return [(start, end) for start, end in found if not start <= 0 <= end]
+        stretches = [(float(self.x[first]), float(self.x[last - 1])) for first, last in ends]
+        return [(start, end) for start, end in stretches if not start <= 0 <= end]
 
-    def closest(self, chambers: Sequence[float], width: float) -> list[tuple[float, float]]:
+    def stretches(self, chambers: Sequence[float], width: float) -> list[tuple[float, float]]:
         """A stretch of each land about where the faces come closest [m]; none where there is but one land.
 
         Parameters
@@ -138,7 +138,7 @@ class Opening:
 @lru_cache(maxsize=32)
 def _opening(contact: ContactGeometry) -> Opening:
     sides = [Opening._side(contact, end) for end in contact.reach]
-    x = np.linspace(*contact.reach, _LOOKED_AT)
+    x = np.linspace(*contact.reach, _PLACES)
     gap = contact.gap(x)
     distance, root_gap = (np.stack(rows) for rows in zip(*sides, strict=True))
     return Opening(distance, root_gap, x, np.where(np.isnan(gap), np.inf, gap))
@@ -190,13 +190,13 @@ def contact_widths(
         E* [Pa].
     """
     f = np.array(line_loads, dtype=float)
-    closed = tail = flattened = 2 * f / (math.pi * effective_modulus)
-    sides = opening.reach(flattened)
+    closed_gap = tail_gap = flat_gap = 2 * f / (math.pi * effective_modulus)
+    sides = opening.reach(flat_gap)
     a = 0.5 * (sides[0] + sides[1])
     if isinstance(law, HardContact):
         std, per_std, reach, decay = a / 2, np.full_like(a, _PER_STD_HARD), 1.3 * sides, np.zeros_like(a)
     else:
-        R, of_hertz = a**2 / (2 * flattened), a**2 / 4
+        R, of_hertz = a**2 / (2 * flat_gap), a**2 / 4
         log_peak = np.log(f / (math.sqrt(math.pi / 2) * a))
         for _ in range(4):
             decay = law.decay_length(log_peak)
@@ -204,13 +204,13 @@ def contact_widths(
             log_peak = np.log(f / (math.sqrt(2 * math.pi) * std))
         at_tail, at_closed, at_peak = law.gap(log_peak + _LOG_SHARES)
         reach = sides + opening.reach(at_tail - at_peak)
-        closed, tail = flattened + at_closed - at_peak, flattened + at_tail - at_peak
+        closed_gap, tail_gap = flat_gap + at_closed - at_peak, flat_gap + at_tail - at_peak
         per_std = np.minimum(np.maximum(a / np.sqrt(R * decay), _PER_STD_SOFT), _PER_STD_HARD)
         std = np.minimum(std, (reach[0] + reach[1]) / math.sqrt(12))
-    columns = (std, per_std, *reach, decay, closed, tail)
+    columns = (std, per_std, *reach, decay, closed_gap, tail_gap)
     return [
-        ContactWidth(one, fine, (inner, outer), *rest)
-        for one, fine, inner, outer, *rest in zip(*(c.tolist() for c in columns), strict=True)
+        ContactWidth(std_of_load, fine, (inner, outer), *others)
+        for std_of_load, fine, inner, outer, *others in zip(*(c.tolist() for c in columns), strict=True)
     ]
 
 
@@ -247,16 +247,16 @@ def element_sizes(
     # Contact ends where one of the faces ends, whatever the law says.
     lower, upper = contact.reach
     # a land that is set back has points too, where it comes closest
-    lands = [*opening.further_lands(max(w.tail_gap for w in widths)), *opening.closest(contact.chambers, std)]
+    lands = opening.further_lands(max(w.tail_gap for w in widths)) + opening.stretches(contact.chambers, std)
     zone = (
         max(min([-reach[0], *(start for start, _ in lands)]), lower),
         min(max([reach[1], *(end for _, end in lands)]), upper),
     )
     spots = _edges(contact, zone, size, line_loads, widths, effective_modulus)
     # A contact that ends beyond the core, or may have peaks at edges, wants small elements there as well.
-    uneven = bool(spots) or bool(np.any((contact.breaks > zone[0]) & (contact.breaks < zone[1])))
-    beyond = [1 / (_EDGE * w.per_std) for w in widths if uneven or _EDGE * w.std > _CORE * std]
-    growth = min([_GROWTH_ALONG, *beyond])
+    has_peaks = bool(spots) or bool(np.any((contact.breaks > zone[0]) & (contact.breaks < zone[1])))
+    growths = [1 / (_EDGE * w.per_std) for w in widths if has_peaks or _EDGE * w.std > _CORE * std]
+    growth = min([_GROWTH_ALONG, *growths])
     spots += _on_further_lands(opening.further_lands(max(w.closed_gap for w in widths)), size, growth)
     sizing = Sizing(
         contact_size=size,
@@ -271,11 +271,11 @@ def element_sizes(
         sizing = replace(sizing, zone=without_stubs)
     if contact_size is None:
         return sizing
-    smallest = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
-    if not smallest <= contact_size <= std:
+    smallest_size = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
+    if not smallest_size <= contact_size <= std:
         raise InputError.at(
             "mesh.contact_size",
-            f"allowed is {smallest * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
+            f"allowed is {smallest_size * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
             f"{std * 1e6:.3g} um (standard deviation of the narrowest pressure profile); or leave it out: "
             f"{sizing.contact_size * 1e6:.3g} um",
             f"{contact_size * 1e6:.6g} um",
@@ -326,15 +326,15 @@ def _edges(
             if not gap <= width.closed_gap:
                 continue
             b = max(min(abs(edge), math.sqrt(3) * width.std), size)
-            flattened = 0.5 * b * (3 * f * radius / (effective_modulus * b**2)) ** (2 / 3)
-            sizes.append(math.sqrt(flattened**2 + radius * width.decay_length) / _PER_EDGE)
-        wanted = min(min(sizes), length / _PER_ARC)
-        if wanted < size:
-            spots.append((edge, wanted))
+            flat_width = 0.5 * b * (3 * f * radius / (effective_modulus * b**2)) ** (2 / 3)
+            sizes.append(math.sqrt(flat_width**2 + radius * width.decay_length) / _PER_EDGE)
+        edge_size = min(min(sizes), length / _PER_ARC)
+        if edge_size < size:
+            spots.append((edge, edge_size))
     # At the end of a face that carries pressure there is a corner of the body, and the pressure rises towards it.
-    closed = max(width.closed_gap for width in widths)
+    closed_gap = max(width.closed_gap for width in widths)
     for at, end, goes_on in zip(zone, contact.reach, contact.turned_away, strict=True):
-        if at == end and not goes_on and float(contact.gap(np.array(end))) <= closed:
+        if at == end and not goes_on and float(contact.gap(np.array(end))) <= closed_gap:
             spots.append((end, size / _AT_CORNER))
     return tuple(spots)
 
@@ -361,7 +361,7 @@ def _bend(contact: ContactGeometry, x: float) -> float:
 
 
 # The pressure falls off over some distance beyond the plateau, and the face rises beside it.
-_BEYOND = 1.3
+_FALL_OFF = 1.3
 # Every element of a body that yields costs in every iteration; a plateau needs no more of them than this.
 _ELEMENTS = 100
 
@@ -387,7 +387,7 @@ def for_yielding(
     size_given : bool
         Whether the element size is the user's own.
     """
-    half = _BEYOND * plastic_half_width(line_load, yield_stress)
+    half = _FALL_OFF * plastic_half_width(line_load, yield_stress)
     if half <= sizing.core:
         return sizing
     lower, upper = contact.reach
@@ -423,27 +423,27 @@ class MeshFit:
     contact : ContactGeometry
     size_given : bool
         Whether the element size is the user's own; then only the zone grows.
-    found : sequence of ContactSolution
+    solutions : sequence of ContactSolution
         On the last mesh that gave any.
-    tried : int
+    tries : int
         How many meshes have been tried.
-    refined : bool
+    is_refined : bool
         Whether elements have been halved because a contact did not converge.
     """
 
     sizing: Sizing | None
     contact: ContactGeometry
     size_given: bool
-    found: Sequence[ContactSolution] = ()
-    tried: int = 0
-    refined: bool = False
+    solutions: Sequence[ContactSolution] = ()
+    tries: int = 0
+    is_refined: bool = False
 
     @classmethod
-    def begun(cls, sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> MeshFit:
+    def begin(cls, sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> MeshFit:
         """Before the first mesh. One that is given cannot be made finer."""
         return cls(sizing, contact, size_given or contact.has_ready_mesh)
 
-    def after(self, outcome: Sequence[ContactSolution] | Exception) -> MeshFit:
+    def with_outcome(self, outcome: Sequence[ContactSolution] | Exception) -> MeshFit:
         """With what was found on the mesh, or why nothing was; nothing at all fits any mesh.
 
         Raises
@@ -455,17 +455,17 @@ class MeshFit:
             discretisation error says what the present one is worth.
         """
         assert self.sizing is not None
-        if isinstance(outcome, MeshingError) and self.found:
+        if isinstance(outcome, MeshingError) and self.solutions:
             return replace(self, sizing=None)
-        if isinstance(outcome, ConvergenceError) and not (self.refined or self.size_given):
-            return replace(self, sizing=self.sizing.refined(2.0), tried=self.tried + 1, refined=True)
+        if isinstance(outcome, ConvergenceError) and not (self.is_refined or self.size_given):
+            return replace(self, sizing=self.sizing.refined(2.0), tries=self.tries + 1, is_refined=True)
         if isinstance(outcome, Exception):
             raise outcome
         better = None
-        if outcome and self.tried + 1 < _MOST_MESHES:
-            profiles = [one.profile for one in outcome]
+        if outcome and self.tries + 1 < _MOST_MESHES:
+            profiles = [solution.profile for solution in outcome]
             better = better_sizing(self.sizing, self.contact, profiles, size_given=self.size_given)
-        return replace(self, sizing=better, found=outcome, tried=self.tried + 1)
+        return replace(self, sizing=better, solutions=outcome, tries=self.tries + 1)
 
 
 def fit_meshes(
@@ -481,8 +481,8 @@ def fit_meshes(
         Given those that want a mesh, makes it, solves all loads and returns them `after` that; without what failed.
     """
     fits = dict(fits)
-    while wanted := {number: fit for number, fit in fits.items() if fit.sizing is not None}:
-        fits = {number: fit for number, fit in fits.items() if fit.sizing is None} | dict(solve_on(wanted))
+    while unfit := {number: fit for number, fit in fits.items() if fit.sizing is not None}:
+        fits = {number: fit for number, fit in fits.items() if fit.sizing is None} | dict(solve_on(unfit))
     return fits
 
 
@@ -500,18 +500,18 @@ def better_sizing(
         Whether the element size must stay.
     """
     zone = _zone(sizing, contact, profiles)
-    changed = sizing if zone == sizing.zone else replace(sizing, zone=zone)
+    better = sizing if zone == sizing.zone else replace(sizing, zone=zone)
     if not size_given:
-        changed = _resolving(changed, profiles)
+        better = _resolve_profiles(better, profiles)
         spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
         if spots:
-            changed = replace(changed, spots=(*changed.spots, *_thin_spots(spots)))
-    if changed == sizing:
+            better = replace(better, spots=(*better.spots, *_thin_spots(spots)))
+    if better == sizing:
         return None
-    return rounded(changed, contact, size_given=size_given)
+    return round_sizing(better, contact, size_given=size_given)
 
 
-def rounded(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> Sizing:
+def round_sizing(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> Sizing:
     """Round the sizing so that it is independent of floating-point noise; edges and ends of the faces stay.
 
     Parameters
@@ -522,7 +522,7 @@ def rounded(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = Fals
     return sizing.rounded({*contact.reach, *contact.breaks.tolist()}, exact_size=size_given)
 
 
-def _resolving(sizing: Sizing, profiles: Sequence[PressureProfile]) -> Sizing:
+def _resolve_profiles(sizing: Sizing, profiles: Sequence[PressureProfile]) -> Sizing:
     """Smaller elements where a profile came out narrower, or farther from first touch, than expected."""
     narrowest = min(profiles, key=lambda profile: profile.std)
     at, std = narrowest.centroid, narrowest.std
@@ -536,14 +536,14 @@ def _zone(
 ) -> tuple[float, float]:
     start, end = sizing.zone
     lower, upper = contact.reach
-    highest = [profile.pressure.max() for profile in profiles]
-    cut = [
-        any(profile.pressure[n] / peak > _CUT_OFF for profile, peak in zip(profiles, highest, strict=True))
+    peaks = [profile.pressure.max() for profile in profiles]
+    is_cut = [
+        any(profile.pressure[n] / peak > _CUT_OFF for profile, peak in zip(profiles, peaks, strict=True))
         for n in (0, -1)
     ]
     return (
-        max(_WIDER * start, lower) if cut[0] else start,
-        min(_WIDER * end, upper) if cut[1] else end,
+        max(_WIDER * start, lower) if is_cut[0] else start,
+        min(_WIDER * end, upper) if is_cut[1] else end,
     )
 
 
@@ -554,16 +554,16 @@ def _steep_places(sizing: Sizing, profile: PressureProfile) -> list[tuple[float,
     steep = (np.abs(share[3:] - share[:-3]) > _STEEPEST).nonzero()[0]
     ends = zip(x[steep].tolist(), x[steep + 3].tolist(), strict=True)
     return [
-        (0.5 * (before + after), (after - before) / _FINER)
-        for before, after in ends
-        if after - before > sizing.contact_size / 50
+        (0.5 * (begin + end), (end - begin) / _FINER)
+        for begin, end in ends
+        if end - begin > sizing.contact_size / 50
     ]
 
 
 def _thin_spots(spots: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Leave out spots that a neighbour of the same size covers."""
-    kept: list[tuple[float, float]] = []
+    spots_left: list[tuple[float, float]] = []
     for place, size in sorted(spots, key=lambda spot: spot[1]):
-        if all(abs(place - other) > 3 * size for other, _ in kept):
-            kept.append((place, size))
-    return kept
+        if all(abs(place - place_left) > 3 * size for place_left, _ in spots_left):
+            spots_left.append((place, size))
+    return spots_left

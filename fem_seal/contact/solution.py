@@ -161,8 +161,8 @@ class ContactSolution:
         if screen is None:
             return False
         pressure, between = self.pressure, self.loads.gap_pressure
-        pressed = pressure if between is None else pressure + between
-        return screen.stays_below(stress, pressed, self.loads.on(name))
+        total_pressure = pressure if between is None else pressure + between
+        return screen.stays_below(stress, total_pressure, self.loads.on(name))
 
     @cached_property
     def turning(self) -> float:
@@ -207,12 +207,12 @@ class ContactSolution:
         """Nominal pressure profile on each land of the contact line, from the axis outwards."""
         line = self.model.line
 
-        def on(land: slice, reach: tuple[float | None, float | None]) -> PressureProfile:
+        def profile_on(land: slice, reach: tuple[float | None, float | None]) -> PressureProfile:
             points = line.x[land], line.radius[land], self.pressure[land], self.gap[land]
             profile = PressureProfile(*points, line.arc_weight[land], reach)
             return profile if self.largest is None else profile.after(self.largest[land])
 
-        return tuple(on(land, reach) for land, reach in line.lands)
+        return tuple(profile_on(land, reach) for land, reach in line.lands)
 
     @cached_property
     def whole(self) -> PressureProfile:
@@ -234,18 +234,18 @@ class ContactSolution:
         """
         if earlier is None:
             return self
-        before = earlier.pressure
-        largest = before if earlier.largest is None else np.maximum(before, earlier.largest)
+        pressure = earlier.pressure
+        largest = pressure if earlier.largest is None else np.maximum(pressure, earlier.largest)
         return replace(self, largest=largest, earlier=earlier)
 
     @property
     def history(self) -> tuple[ContactSolution, ...]:
         """Contacts before this one that are known, the last first."""
-        found, before = [], self.earlier
-        while before is not None:
-            found.append(before)
-            before = before.earlier
-        return tuple(found)
+        contacts, contact = [], self.earlier
+        while contact is not None:
+            contacts.append(contact)
+            contact = contact.earlier
+        return tuple(contacts)
 
     @property
     def unstopped(self) -> Self:
@@ -267,9 +267,9 @@ def largest_before(contacts: Sequence[ContactSolution]) -> tuple[ContactSolution
     contacts : sequence of ContactSolution
         Of one path, or of elastic bodies.
     """
-    own = {id(contact) for contact in contacts}
-    before = [earlier for contact in contacts for earlier in contact.history if id(earlier) not in own]
-    return tuple(sorted(before, key=lambda contact: -contact.contact_force)[:1])
+    ids = {id(contact) for contact in contacts}
+    others = [earlier for contact in contacts for earlier in contact.history if id(earlier) not in ids]
+    return tuple(sorted(others, key=lambda contact: -contact.contact_force)[:1])
 
 
 def move_together(solutions: Sequence[ContactSolution]) -> None:
@@ -280,25 +280,25 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
     solutions : sequence of ContactSolution
         Each then knows what it would have found when asked; those on another model than the first are left alone.
     """
-    solutions = [one for one in solutions if one.model is solutions[0].model]
+    solutions = [solution for solution in solutions if solution.model is solutions[0].model]
     if solutions:
-        for one, moved in zip(solutions, _move_bodies(solutions), strict=True):
-            vars(one)["moved"] = moved
+        for solution, motion in zip(solutions, _move_bodies(solutions), strict=True):
+            vars(solution)["moved"] = motion
 
 
 def _move_bodies(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatArray, FloatArray]]]:
     """`ContactSolution.moved` of contacts on the same model."""
     model = solutions[0].model
-    forces = np.stack([one.line_forces for one in solutions], axis=1)
-    found: list[dict[str, tuple[FloatArray, FloatArray]]] = [{} for _ in solutions]
+    forces = np.stack([solution.line_forces for solution in solutions], axis=1)
+    motions: list[dict[str, tuple[FloatArray, FloatArray]]] = [{} for _ in solutions]
     for name, body in model.bodies.items():
-        moved = body.displacement(forces)
-        for number, one in enumerate(solutions):
-            moved[:, number] += replace(one.loads, gap_pressure=None).displacement(body, model)
-        stress = np.moveaxis(body.recovery.stress(moved), 2, 0)
-        for number, own in enumerate(found):
-            own[name] = moved[:, number].copy(), stress[number].copy()
-    return found
+        displacement = body.displacement(forces)
+        for number, solution in enumerate(solutions):
+            displacement[:, number] += replace(solution.loads, gap_pressure=None).displacement(body, model)
+        stress = np.moveaxis(body.recovery.stress(displacement), 2, 0)
+        for number, motion in enumerate(motions):
+            motion[name] = displacement[:, number].copy(), stress[number].copy()
+    return motions
 
 
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
@@ -328,30 +328,30 @@ def fields_at_rest(model: ContactModel, loads: BodyLoads) -> dict[str, BodyField
     loads : BodyLoads
         What acts on them.
     """
-    moved = {}
+    motions = {}
     for name, body in model.bodies.items():
         displacement = loads.displacement(body, model)
-        moved[name] = displacement, body.recovery.stress(displacement)
-    return _fields(model, loads, moved)
+        motions[name] = displacement, body.recovery.stress(displacement)
+    return _fields(model, loads, motions)
 
 
 def _fields(
     model: ContactModel,
     loads: BodyLoads,
-    moved: Mapping[str, tuple[FloatArray, FloatArray]],
+    motions: Mapping[str, tuple[FloatArray, FloatArray]],
     contact: PressureProfile | None = None,
 ) -> dict[str, BodyField]:
     """Fields of bodies with a displacement [m] and the stress of the strain by it [Pa]."""
-    found = {}
-    for name, (displacement, stress) in moved.items():
+    fields = {}
+    for name, (displacement, stress) in motions.items():
         body = model.bodies[name]
         stress = without_free_strain(stress, body.material, loads.free_strain(body))
-        found[name] = body_field(body.held, displacement, stress, contact, loads.temperature.get(name))
-    return found
+        fields[name] = body_field(body.fem, displacement, stress, contact, loads.temperature.get(name))
+    return fields
 
 
 # Plastic strain that counts as yielded, as a share of the elastic strain at yield.
-_COUNTS = 0.01
+_YIELD_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -413,8 +413,8 @@ def yielded_zone(field: BodyField, yield_stress: float) -> YieldedZone | None:
     yield_stress : float
         [Pa]
     """
-    found = _largest(field, field.von_mises, yield_stress)
-    return None if found is None else YieldedZone(field.name, yield_stress, *found)
+    zone = _largest(field, field.von_mises, yield_stress)
+    return None if zone is None else YieldedZone(field.name, yield_stress, *zone)
 
 
 def plastic_zone(field: ElastoplasticField, material: Material) -> PlasticZone | None:
@@ -431,9 +431,9 @@ def plastic_zone(field: ElastoplasticField, material: Material) -> PlasticZone |
     hundredth of the elastic strain at yield counts as yielded.
     """
     assert material.yield_stress is not None  # that of the curve
-    counts = _COUNTS * material.yield_stress / material.youngs_modulus
-    found = _largest(field, field.accumulated_plastic_strain, counts)
-    return None if found is None else PlasticZone(field.name, material.yield_stress, *found)
+    counts = _YIELD_SHARE * material.yield_stress / material.youngs_modulus
+    zone = _largest(field, field.accumulated_plastic_strain, counts)
+    return None if zone is None else PlasticZone(field.name, material.yield_stress, *zone)
 
 
 def yielding_of(
@@ -446,7 +446,7 @@ def yielding_of(
     materials : mapping, optional
         Of "closure" and "seat", where the model is shared by materials that differ in their strength.
     """
-    found: dict[str, YieldedZone | PlasticZone] = {}
+    zones: dict[str, YieldedZone | PlasticZone] = {}
     for name, body in contact.model.bodies.items():
         material = body.material if materials is None else materials[name]
         limit = material.yield_stress
@@ -460,26 +460,26 @@ def yielding_of(
             else yielded_zone(field, limit)
         )
         if zone is not None:
-            found[name] = zone
-    return found
+            zones[name] = zone
+    return zones
 
 
 def _largest(
     field: BodyField, values: FloatArray, limit: float
 ) -> tuple[float, tuple[float, float], float, float] | None:
     """Largest nodal value above a limit, its place and depth, and the largest depth at which the limit is passed."""
-    above = np.flatnonzero(values > limit)
-    if len(above) == 0:
+    nodes = np.flatnonzero(values > limit)
+    if len(nodes) == 0:
         return None
-    depth = _distance(field.points[above], field.points[field.contact_nodes])
-    worst = int(np.argmax(values[above]))
-    r, z = field.points[above[worst]].tolist()
-    return float(values[above[worst]]), (r, z), float(depth[worst]), float(depth.max())
+    depth = _distance(field.points[nodes], field.points[field.contact_nodes])
+    place = int(np.argmax(values[nodes]))
+    r, z = field.points[nodes[place]].tolist()
+    return float(values[nodes[place]]), (r, z), float(depth[place]), float(depth.max())
 
 
 def _distance(points: FloatArray, line: FloatArray) -> FloatArray:
     """Distance of points (n, 2) from the polyline through the points (k, 2) of `line`."""
-    start, along = line[:-1], np.diff(line, axis=0)
+    start, edge = line[:-1], np.diff(line, axis=0)
     offset = points[:, None, :] - start
-    share = np.clip(np.sum(offset * along, axis=2) / np.sum(along**2, axis=1), 0.0, 1.0)
-    return np.linalg.norm(offset - share[..., None] * along, axis=2).min(axis=1)
+    share = np.clip(np.sum(offset * edge, axis=2) / np.sum(edge**2, axis=1), 0.0, 1.0)
+    return np.linalg.norm(offset - share[..., None] * edge, axis=2).min(axis=1)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from leak.extras import needed
+from leak.extras import say_missing
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -64,7 +64,7 @@ def serve(
         except ImportError as error:
             if (error.name or "").split(".")[0] not in ("dash", "plotly", "flask", "werkzeug"):
                 raise
-            raise InputError.at("fem-seal explore", needed("explore", error)) from None
+            raise InputError.at("fem-seal explore", say_missing("explore", error)) from None
         _check_free(HOST, port)
         page = page_of(answers, folder, case.title or "case")
         logging.getLogger("werkzeug").setLevel(logging.ERROR)

@@ -312,7 +312,7 @@ def temperature_rows(
         if field is not None:
             yield f"{place}, heat into the seal", f"{number(field.heat[name], 4)} W"
     if field is not None:
-        yield "heat from closure to seat", f"{number(field.across, 4)} W"
+        yield "heat from closure to seat", f"{number(field.contact_heat, 4)} W"
     if calculated:
         conductance = case.temperature.contact_conductance
         yield (

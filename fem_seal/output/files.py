@@ -199,7 +199,7 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
     return {
         "triangles": quality.elements,
         "vertices": quality.vertices,
-        "unknowns": {name: body.held.size for name, body in model.bodies.items()},
+        "unknowns": {name: body.fem.size for name, body in model.bodies.items()},
         "contact_elements": len(model.line.vertices) - 1,
         "contact_points": len(model.line.x),
         "contact_size_m": sizing.contact_size,

@@ -411,7 +411,7 @@ def around(form: FormError, local: LocalContact, near: Circumference | None = No
             form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing
         )
     gap = form.gap(_angles(size) / repeats)
-    stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form), repeats, local.opened)
+    stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form), repeats, local.openings)
     f, approach = line_load_around(
         local,
         stiffening,

@@ -312,7 +312,7 @@ def _on_own_meshes(
     def begun(number: int) -> MeshFit:
         problem = problems[number]
         size_given = problem.contact_size is not None
-        return MeshFit.begun(sizing(problem), problem.contact, size_given=size_given)
+        return MeshFit.begin(sizing(problem), problem.contact, size_given=size_given)
 
     done: dict[int, Evaluation] = {}
 
@@ -332,11 +332,11 @@ def _on_own_meshes(
         number: int, fit: MeshFit, made: tuple[LoadSolver, SealMesh | None] | MeshingError, known: Pressed
     ) -> MeshFit:
         if isinstance(made, MeshingError):
-            return put_off.pop(number)() if number in put_off else fit.after(made)
+            return put_off.pop(number)() if number in put_off else fit.with_outcome(made)
         find = partial(found_on, number, fit, made, known)
         round_ones = [one for one in known.values() if isinstance(one, ContactSolution)]
         if problems[number].form is not None and round_ones and len(round_ones) == len(known):
-            after = fit.after(round_ones)
+            after = fit.with_outcome(round_ones)
             if after.sizing is not None:
                 put_off[number] = find
                 return after
@@ -357,13 +357,13 @@ def _on_own_meshes(
             for error in solved.failures.values()
             if isinstance(error, ConvergenceError) and not isinstance(error, _ON_ANY_MESH)
         ]
-        if unconverged and not (fit.refined or fit.size_given):
+        if unconverged and not (fit.is_refined or fit.size_given):
             # a load that does not converge is tried on a finer mesh once, before the others go on without it
             clock.progress(
                 _ANEW.format(why="a load does not converge on this mesh", how="half the element size")
             )
-            return fit.after(unconverged[0])
-        after = fit.after(solved.all_contacts) if solved.all_contacts else fit
+            return fit.with_outcome(unconverged[0])
+        after = fit.with_outcome(solved.all_contacts) if solved.all_contacts else fit
         if solver.yields and after.sizing is not None and solved.contacts:
             clock.progress(_ANEW.format(why="the contact found does not fit this mesh", how="other sizes"))
         if solved.left:
@@ -399,8 +399,8 @@ _ANEW = "{why}: another one with {how}, and from the first load on"
 def _in_vain(fit: MeshFit, contacts: Sequence[ContactSolution], error: ConvergenceError | None) -> bool:
     """Whether another mesh is wanted after the loads so far, so that the others are solved on that one alone."""
     if error is not None:
-        return not (fit.refined or fit.size_given or isinstance(error, _ON_ANY_MESH))
-    return fit.after(contacts).sizing is not None
+        return not (fit.is_refined or fit.size_given or isinstance(error, _ON_ANY_MESH))
+    return fit.with_outcome(contacts).sizing is not None
 
 
 def _solving(solvers: Collection[LoadSolver]) -> str:

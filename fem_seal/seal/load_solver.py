@@ -21,7 +21,7 @@ from fem_seal.contact.load_path import (
     LoadPath,
     OpenLoad,
     PlaceOnPath,
-    Unloaded,
+    UnloadedBodies,
     load_path,
 )
 from fem_seal.contact.newton import ContactProblem, solve, solve_many
@@ -36,7 +36,7 @@ from fem_seal.contact.penetration import (
     solve_at_contact_force,
     solve_penetration,
 )
-from fem_seal.contact.plastic_step import HeldByBolts, PathLoad, PlasticSettings
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings, TightenedBolts
 from fem_seal.contact.solution import (
     DEFAULT_SETTINGS,
     ContactSettings,
@@ -219,15 +219,15 @@ class LoadSolver:
         """
         at_rest = self.problem.at_rest.on(self.model)
         end_force = self.closes(fluid_pressure) if self._on_sealed_area else 0.0
-        held = None if bolts is None else HeldByBolts(bolts, applied_force, end_force)
+        held = None if bolts is None else TightenedBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
-            return PathLoad(applied_force + end_force, at_rest, held=held)
+            return PathLoad(applied_force + end_force, at_rest, bolts=held)
         return PathLoad(
             applied_force,
             at_rest,
             path=self._path,
             fluid_pressure=fluid_pressure,
-            held=held,
+            bolts=held,
         )
 
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
@@ -318,7 +318,7 @@ class LoadSolver:
 
     def reached(self, fluid_pressure: float) -> float | None:
         """Largest force F_N of `at_contact_force` to which first loading came [N]; None if it is not asked there."""
-        highest, bolts = self.first_loading.highest, self.problem.loads.unsolved_bolts
+        highest, bolts = self.first_loading.highest_force, self.problem.loads.unsolved_bolts
         return highest if highest is None or bolts is None else highest + self.closes(fluid_pressure)
 
     def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
@@ -445,7 +445,7 @@ class SolvedLoads:
     ----------
     contacts : sequence of ContactSolution
         In the order of the case.
-    unloaded : Unloaded or None
+    unloaded : UnloadedBodies or None
         None where no body yields: elastic bodies come back.
     failures : mapping
         Number of each load without a contact, with the error that says why.
@@ -460,7 +460,7 @@ class SolvedLoads:
     """
 
     contacts: Sequence[ContactSolution]
-    unloaded: Unloaded | None = None
+    unloaded: UnloadedBodies | None = None
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
     circumferences: Sequence[Circumference] = ()
@@ -557,19 +557,20 @@ def _solved_path(
     points = solver.problem.loads.points
     path = _path(solver, points, unload=unload, progress=progress, leave=leave)
     failures: dict[int, Exception] = {
-        number: solver.open_on_path(points[number], opened) for number, opened in path.opened.items()
+        number: solver.open_on_path(points[number], opened) for number, opened in path.open_loads.items()
     }
     closed = [number for number in range(len(points)) if number not in failures]
     unsolved = closed[len(path.contacts) :]
-    if path.stopped is not None and unsolved:
-        failures.update(_beyond(unsolved, points, path.stopped))
-    not_unloaded = None if unsolved or path.unloaded is not None else path.stopped
+    if path.failure is not None and unsolved:
+        failures.update(_beyond(unsolved, points, path.failure))
+    not_unloaded = None if unsolved or path.unloaded_bodies is not None else path.failure
     held = {}
     if solver.problem.loads.unsolved_bolts is not None:
         solved = zip(closed, path.contacts, strict=False)
         held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(path.contacts, path.unloaded, failures, not_unloaded, points=held, left=path.left)
+    rest = path.unloaded_bodies
+    return SolvedLoads(path.contacts, rest, failures, not_unloaded, points=held, left=path.was_left)
 
 
 def _beyond(
@@ -627,10 +628,10 @@ def _end_of_path(
 ) -> ElastoplasticContact:
     path = _path(solver, points, steps, unload=False, progress=progress, first=first)
     last = len(points) - 1
-    if last in path.opened:
-        raise solver.open_on_path(points[last], path.opened[last])
-    if path.stopped is not None:
-        raise path.stopped
+    if last in path.open_loads:
+        raise solver.open_on_path(points[last], path.open_loads[last])
+    if path.failure is not None:
+        raise path.failure
     return path.contacts[-1]
 
 
@@ -673,7 +674,7 @@ def _path(
             partial=True,
             unload=unload,
             progress=tell,
-            first=first,
+            first_loading=first,
             elastic=True,
             leave=leave,
         )
@@ -686,11 +687,11 @@ def _path(
         path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, one: one.after(before))))
     if not before:
         return path
-    if 0 in path.opened:
-        raise solver.open_on_path(way[0][1], path.opened[0])
+    if 0 in path.open_loads:
+        raise solver.open_on_path(way[0][1], path.open_loads[0])
     if not path.contacts:
-        return replace(path, stopped=ConvergenceError(f"{problem.loads.before}: {path.stopped}"))
-    closed = [number for place, (number, _) in enumerate(way) if place not in path.opened]
+        return replace(path, failure=ConvergenceError(f"{problem.loads.before}: {path.failure}"))
+    closed = [number for place, (number, _) in enumerate(way) if place not in path.open_loads]
     found = list(zip(closed, path.contacts, strict=False))
     if not solver.asperities_remember:
         largest = found[0][1]
@@ -699,8 +700,8 @@ def _path(
                 largest = contact
             found[place] = number, replace(contact, earlier=largest)
     contacts = tuple(contact for number, contact in found if number is not None)
-    opened = {number: one for place, one in path.opened.items() if (number := way[place][0]) is not None}
-    return replace(path, contacts=contacts, opened=opened)
+    opened = {number: one for place, one in path.open_loads.items() if (number := way[place][0]) is not None}
+    return replace(path, contacts=contacts, open_loads=opened)
 
 
 # So often it is said how far a path is [s].
@@ -751,8 +752,8 @@ def path_again(solver: LoadSolver) -> list[ContactSolution]:
     points = solver.problem.loads.points
     path = _path(solver, points, unload=False)
     if len(path.contacts) < len(points):
-        opened = [str(one.error) for one in path.opened.values()]
-        raise ConvergenceError(opened[0] if opened else str(path.stopped))
+        opened = [str(one.error) for one in path.open_loads.values()]
+        raise ConvergenceError(opened[0] if opened else str(path.failure))
     return list(path.contacts)
 
 

@@ -19,7 +19,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.case.checks import face_remarks, refused_loads
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, rounded
+from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, round_sizing
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
@@ -520,7 +520,7 @@ class SealProblem:
         """
         from fem_seal.bodies.elasticity import grown_by_one
 
-        held = model.closure.held
+        held = model.closure.fem
         height = float(held.balance @ grown_by_one(held.mesh)) - self.contact.seat.extent[1][0]
         return way + self.at_rest.expansion * (way - height) if math.isfinite(way) else way
 
@@ -729,7 +729,7 @@ def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizin
     if problem.curves:
         softest = min(curve.yield_stress for curve in problem.curves)
         found = for_yielding(found, contact, softest, max(line_loads), size_given=size_given)
-    return rounded(found, contact, size_given=size_given)
+    return round_sizing(found, contact, size_given=size_given)
 
 
 def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:

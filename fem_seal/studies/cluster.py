@@ -16,7 +16,7 @@ from fem_seal.studies.store import Row
 from fem_seal.studies.work import DesignSpec, calculate_watched
 from fem_seal.studies.worker_pool import HEARTBEAT, RESUME_HINT, Task, WorkerPool, Workers
 from fem_seal.units import duration
-from leak.extras import needed
+from leak.extras import say_missing
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -201,7 +201,7 @@ def connect_client(scheduler: str) -> Client:
     try:
         from dask.distributed import Client
     except ImportError as error:
-        raise InputError.at("study", needed("studies", error)) from None
+        raise InputError.at("study", say_missing("studies", error)) from None
     try:
         return Client(scheduler, timeout=20)
     except (OSError, ValueError, TimeoutError) as error:

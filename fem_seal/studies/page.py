@@ -24,7 +24,7 @@ from fem_seal.studies.display import LOOKS, Display, share_text, short_number
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import Unit, format_quantity, leak_range_text, leak_rate_text, shown_in
 from fem_seal.version import __version__
-from leak.extras import needed
+from leak.extras import say_missing
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -47,7 +47,7 @@ def write_page(folder: Path, path: Path) -> Path:
     try:
         return write_text(path, page(designs, counts, reasons))
     except ImportError as error:
-        raise InputError.at("report", needed("studies", error)) from None
+        raise InputError.at("report", say_missing("studies", error)) from None
 
 
 def page(designs: designs_table.Designs, counts: dict[str, int], reasons: list[tuple[str, int]]) -> str:

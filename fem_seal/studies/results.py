@@ -17,7 +17,7 @@ from fem_seal.files import write_bytes
 from fem_seal.output.columns import COLUMNS, column_named
 from fem_seal.studies.designs_table import Designs
 from fem_seal.studies.store import FILE, open_to_read
-from leak.extras import needed
+from leak.extras import say_missing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -145,7 +145,7 @@ class StudyResult:
         try:
             return write(designs, path)
         except ImportError as error:
-            raise InputError.at("export", f"{path.suffix} {needed('studies', error)}") from None
+            raise InputError.at("export", f"{path.suffix} {say_missing('studies', error)}") from None
 
     def _read(self, what: Any) -> Any:
         with closing(open_to_read(self.folder / FILE)) as store:

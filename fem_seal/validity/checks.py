@@ -546,7 +546,7 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
     model = loads[0].contact.model
     at_rest, outwards = problem.at_rest.on(model), []
     for body in (model.closure, model.seat):
-        touch = body.held.contact_dofs[0, np.argmin(np.abs(body.held.contact_x))]
+        touch = body.fem.contact_dofs[0, np.argmin(np.abs(body.fem.contact_x))]
         outwards.append(float(at_rest.displacement(body, model)[touch]))
     # the closure follows along the axis, so that the faces stay together
     shift = outwards[0] - outwards[1]

@@ -159,13 +159,13 @@ def press(
     h_rms = float(np.std(h))
     total = P * h.size
     p = _first_guess(body, h, total, H) if start is None else _with_load(start, start > 0.0, total, H)
-    direction, last, restart, step = np.zeros_like(h), 1.0, True, 0.0
+    direction, last_norm, restart, step = np.zeros_like(h), 1.0, True, 0.0
     for iteration in range(_MOST_ITERATIONS):
         g = body.displacement(p)
         g -= h
-        free, capped = (p > 0.0) & (p < H), p >= H
+        free, at_cap = (p > 0.0) & (p < H), p >= H
         g -= _approach(g, p, free)
-        joins = ((p <= 0.0) & (g < 0.0)) | (capped & (g > 0.0))
+        joins = ((p <= 0.0) & (g < 0.0)) | (at_cap & (g > 0.0))
         error = float(np.abs(g[free | joins]).max(initial=0.0)) / h_rms
         if error < tolerance:
             overlap = np.where(p >= H, np.maximum(-g, 0.0), 0.0)
@@ -173,8 +173,8 @@ def press(
         if np.count_nonzero(free) > 1:
             r = np.where(free, g, 0.0)
             norm = float(np.vdot(r, r))
-            direction = r if restart else r + norm / last * np.where(free, direction, 0.0)
-            last = norm
+            direction = r if restart else r + norm / last_norm * np.where(free, direction, 0.0)
+            last_norm = norm
             answer = body.displacement(direction)
             answer -= answer[free].mean()
             curvature = float(np.vdot(answer, direction))
@@ -187,7 +187,7 @@ def press(
         restart = bool(joins.any())
         # The load that is missing is made up by the points that are free; where they cannot, by all.
         takes = free | joins
-        stays = float(np.sum(p[capped & ~joins]))
+        stays = float(np.sum(p[at_cap & ~joins]))
         if stays >= total or (np.isfinite(H) and stays + H * np.count_nonzero(takes) <= total):
             y, takes, stays = p - step * g, np.ones_like(takes), 0.0
         p = np.clip(y, 0.0, H)
@@ -204,8 +204,8 @@ def _first_guess(body: PeriodicHalfSpace, h: FloatArray, total: float, H: float)
     if not np.isfinite(H):
         return same
     p = np.zeros(h.size)
-    highest = np.argsort(h, axis=None)[::-1][: int(np.ceil(total / H))]
-    p[highest] = total / highest.size
+    peaks = np.argsort(h, axis=None)[::-1][: int(np.ceil(total / H))]
+    p[peaks] = total / peaks.size
     hills = p.reshape(h.shape)
     # A map that is nearly flat for this load touches everywhere, and hills of pressure are far from that.
     return hills if float(np.std(body.displacement(hills))) < _HILLS * float(np.std(h)) else same
@@ -215,16 +215,16 @@ def _approach(g: FloatArray, p: FloatArray, free: BoolArray) -> float:
     """The multiplier of the mean pressure: the mean of g where it is to vanish."""
     if free.any():
         return float(g[free].mean())
-    touching = p > 0.0
-    return 0.5 * float(g[touching].max() + g[~touching].min(initial=float(g[touching].max())))
+    touches = p > 0.0
+    return 0.5 * float(g[touches].max() + g[~touches].min(initial=float(g[touches].max())))
 
 
 def _with_load(p: FloatArray, takes: BoolArray, total: float, H: float) -> FloatArray:
     if H * np.count_nonzero(takes) <= total:
         takes = np.ones_like(takes)
-    carried = np.zeros_like(p)
-    carried[takes] = _shift_to_load(p[takes], total, H)
-    return carried
+    pressure = np.zeros_like(p)
+    pressure[takes] = _shift_to_load(p[takes], total, H)
+    return pressure
 
 
 def _shift_to_load(y: FloatArray, total: float, H: float) -> FloatArray:
@@ -237,8 +237,8 @@ def _shift_to_load(y: FloatArray, total: float, H: float) -> FloatArray:
         if abs(excess) <= 1e-13 * total:
             break
         low, high = (low, c) if excess > 0.0 else (c, high)
-        inside = np.count_nonzero((p > 0.0) & (p < H))
-        newton = c - excess / inside if inside else np.nan
+        free = np.count_nonzero((p > 0.0) & (p < H))
+        newton = c - excess / free if free else np.nan
         c = newton if low < newton < high else 0.5 * (low + high)
     return p
 

@@ -25,7 +25,7 @@ _CONTACT = 0.01
 # Steps of a method that needs some twenty.
 _MOST_STEPS = 600
 # Of the norm of a plastic strain.
-_ROUNDING = 1e-12
+_ROUND_OFF = 1e-12
 # A layer at the bottom of the grid holds no more than this share of the largest plastic strain.
 _BOTTOM = 1e-3
 
@@ -86,9 +86,9 @@ class ElastoplasticState:
     @property
     def yielded(self) -> BoolArray:
         """Points of the surface below which the metal has flowed, shape (n, m)."""
-        flowed = np.zeros(self.gap.size, bool)
-        flowed[self.yielded_points % flowed.size] = True
-        return flowed.reshape(self.gap.shape)
+        flows = np.zeros(self.gap.size, bool)
+        flows[self.yielded_points % flows.size] = True
+        return flows.reshape(self.gap.shape)
 
     @property
     def yielded_area(self) -> float:
@@ -199,16 +199,16 @@ def press_elastoplastic(
     )
     states, grid = [], (solid.layers, *body.shape)
     if start is None:
-        strain, equivalent, p, before = np.zeros((5, *grid)), np.zeros(grid), None, 0.0
+        strain, equivalent, p, p_last = np.zeros((5, *grid)), np.zeros(grid), None, 0.0
     else:
         strain, equivalent, p = start.field(), start.equivalent_field(), start.pressure
-        before = float(p.mean())
+        p_last = float(p.mean())
     rate, last_step = np.zeros_like(strain), 0.0
     for pressure in path.tolist():
-        step = pressure - before
+        step = pressure - p_last
         guess = strain + min(step / last_step, 1.0) * rate if step * last_step > 0.0 else strain
-        found, equivalent, raised, contact = indentation.step(pressure, strain, equivalent, guess, p)
-        rate, strain, p, before, last_step = found - strain, found, contact.pressure, pressure, step
+        new, equivalent, lift, contact = indentation.step(pressure, strain, equivalent, guess, p)
+        rate, strain, p, p_last, last_step = new - strain, new, contact.pressure, pressure, step
         flat = equivalent.reshape(-1)
         points = np.flatnonzero(flat)
         if flat[-math.prod(solid.surface.shape) :].max() > _BOTTOM * flat.max(initial=0.0) > 0.0:
@@ -217,7 +217,7 @@ def press_elastoplastic(
                 "map, the bottom of the grid: take a smaller pressure or a map with more waves"
             )
         at_points = strain.reshape(5, -1)[:, points], flat[points]
-        states.append(ElastoplasticState(contact, raised, points, *at_points, solid))
+        states.append(ElastoplasticState(contact, lift, points, *at_points, solid))
     return states
 
 
@@ -240,27 +240,27 @@ class _Indentation:
         p: FloatArray | None,
     ) -> tuple[FloatArray, FloatArray, FloatArray, ContactState]:
         """Plastic strain, equivalent strain, raised surface and contact after one step of the pressure."""
-        at, last, momentum = guess, guess, 1.0
+        at, last_strain, momentum = guess, guess, 1.0
         for _ in range(_MOST_STEPS):
             response = self.solid.response(at)
-            raised = self.solid.raised(response)
+            lift = self.solid.surface_rise(response)
             contact = press(
                 self.solid.surface,
-                self.heights + raised,
+                self.heights + lift,
                 pressure,
                 start=p,
                 tolerance=_CONTACT * self.tolerance,
             )
             p = contact.pressure
-            found, flowed = self._return_radially(self.solid.distortion(response, p), strain, equivalent)
+            new, plastic = self._return_radially(self.solid.distortion(response, p), strain, equivalent)
             # nothing has flowed, or no more than rounding
-            if _norm(found - at) <= self.tolerance * _norm(found - strain) + _ROUNDING * _norm(found):
-                return found, flowed, raised, contact
-            step = found - last
-            if float(np.vdot(at - found, step)) > 0.0:
+            if _norm(new - at) <= self.tolerance * _norm(new - strain) + _ROUND_OFF * _norm(new):
+                return new, plastic, lift, contact
+            step = new - last_strain
+            if float(np.vdot(at - new, step)) > 0.0:
                 momentum = 1.0
-            following = 0.5 * (1.0 + math.sqrt(1.0 + 4.0 * momentum**2))
-            last, at, momentum = found, found + (momentum - 1.0) / following * step, following
+            next_momentum = 0.5 * (1.0 + math.sqrt(1.0 + 4.0 * momentum**2))
+            last_strain, at, momentum = new, new + (momentum - 1.0) / next_momentum * step, next_momentum
         raise DirectError(
             f"plastic flow at the mean pressure {pressure:g} Pa did not converge in {_MOST_STEPS} iterations: take "
             "smaller steps of the pressure, or a larger tolerance"

@@ -52,37 +52,37 @@ def patch_flow(gap: FloatArray) -> Flow:
     Numer. Anal. 10, 345 (1973), for the order of elimination.
     """
     scale = float(np.max(gap, initial=0.0))
-    spans = spanning(gap > 0.0)
+    spans = find_spanning(gap > 0.0)
     if not spans.any():
         return Flow(0.0, np.full(gap.shape, np.nan), 0.0)
     k = np.where(spans, gap / scale, 0.0) ** 3
-    along, across = _faces(k[:-1], k[1:]), _faces(k, np.roll(k, -1, 1))
+    k_along, k_across = _faces(k[:-1], k[1:]), _faces(k, np.roll(k, -1, 1))
     inlet, outlet = 2.0 * k[0], 2.0 * k[-1]
-    diagonal = across + np.roll(across, 1, 1)
-    diagonal[:-1] += along
-    diagonal[1:] += along
+    diagonal = k_across + np.roll(k_across, 1, 1)
+    diagonal[:-1] += k_along
+    diagonal[1:] += k_along
     diagonal[0] += inlet
     diagonal[-1] += outlet
     load = np.zeros(gap.shape)
     load[0] = inlet
-    filled = _pressures(spans, along, across, diagonal, load)
-    drop_along, drop_across = -np.diff(filled, axis=0), filled - np.roll(filled, -1, 1)
+    p = _pressures(spans, k_along, k_across, diagonal, load)
+    drop_along, drop_across = -np.diff(p, axis=0), p - np.roll(p, -1, 1)
     # The dissipation is the flow of a unit drop, and an error of the pressures enters it squared only.
     Q = float(
-        np.sum(inlet * (1.0 - filled[0]) ** 2)
-        + np.sum(outlet * filled[-1] ** 2)
-        + np.sum(along * drop_along**2)
-        + np.sum(across * drop_across**2)
+        np.sum(inlet * (1.0 - p[0]) ** 2)
+        + np.sum(outlet * p[-1] ** 2)
+        + np.sum(k_along * drop_along**2)
+        + np.sum(k_across * drop_across**2)
     )
     sections = np.concatenate(
         [
-            [np.sum(inlet * (1.0 - filled[0]))],
-            np.sum(along * drop_along, axis=1),
-            [np.sum(outlet * filled[-1])],
+            [np.sum(inlet * (1.0 - p[0]))],
+            np.sum(k_along * drop_along, axis=1),
+            [np.sum(outlet * p[-1])],
         ]
     )
     n, m = gap.shape
-    return Flow(Q * n / m * scale**3, np.where(spans, filled, np.nan), float(np.ptp(sections)) / Q)
+    return Flow(Q * n / m * scale**3, np.where(spans, p, np.nan), float(np.ptp(sections)) / Q)
 
 
 def periodic_flow(gap: FloatArray) -> Flow:
@@ -94,22 +94,22 @@ def periodic_flow(gap: FloatArray) -> Flow:
         g >= 0 [m]; zero in contact.
     """
     scale = float(np.max(gap, initial=0.0))
-    winds, pins = winding(gap > 0.0)
+    winds, pins = find_winding(gap > 0.0)
     if not winds.any():
         return Flow(0.0, np.full(gap.shape, np.nan), 0.0)
     n, m = gap.shape
     k = np.where(winds, gap / scale, 0.0) ** 3
-    along, across = _faces(k, np.roll(k, -1, 0)), _faces(k, np.roll(k, -1, 1))
-    diagonal = along + np.roll(along, 1, 0) + across + np.roll(across, 1, 1)
+    k_along, k_across = _faces(k, np.roll(k, -1, 0)), _faces(k, np.roll(k, -1, 1))
+    diagonal = k_along + np.roll(k_along, 1, 0) + k_across + np.roll(k_across, 1, 1)
     # Only differences of pressure count: one cell of each cluster is held by a spring of its own conductance.
     diagonal.ravel()[pins] *= 2.0
     # -div k (1/n + grad p) = 0 with the mean gradient downwards along axis 0
-    filled = _pressures(winds, along, across, diagonal, (np.roll(along, 1, 0) - along) / n)
-    drop_along = 1.0 / n + filled - np.roll(filled, -1, 0)
-    drop_across = filled - np.roll(filled, -1, 1)
-    Q = float(np.sum(along * drop_along**2) + np.sum(across * drop_across**2))
-    sections = np.sum(along * drop_along, axis=1)
-    return Flow(Q * n / m * scale**3, np.where(winds, filled, np.nan), float(np.ptp(sections)) / Q)
+    p = _pressures(winds, k_along, k_across, diagonal, (np.roll(k_along, 1, 0) - k_along) / n)
+    drop_along = 1.0 / n + p - np.roll(p, -1, 0)
+    drop_across = p - np.roll(p, -1, 1)
+    Q = float(np.sum(k_along * drop_along**2) + np.sum(k_across * drop_across**2))
+    sections = np.sum(k_along * drop_along, axis=1)
+    return Flow(Q * n / m * scale**3, np.where(winds, p, np.nan), float(np.ptp(sections)) / Q)
 
 
 def rarefied_gap(gap: FloatArray, flight: float) -> FloatArray:
@@ -133,9 +133,9 @@ def rarefied_gap(gap: FloatArray, flight: float) -> FloatArray:
     >>> bool(patch_flow(rarefied_gap(gap, 1e-7)).gap_cubed > 1.5 * patch_flow(gap).gap_cubed)
     True
     """
-    there = gap > 0.0
-    D = np.where(there, gap, flight) / flight
-    return np.where(there, gap * flow_factor(D) ** (1.0 / 3.0), 0.0)
+    is_open = gap > 0.0
+    D = np.where(is_open, gap, flight) / flight
+    return np.where(is_open, gap * flow_factor(D) ** (1.0 / 3.0), 0.0)
 
 
 class Streams(NamedTuple):
@@ -178,27 +178,27 @@ def streams(gap: FloatArray, flow: Flow) -> Streams:
     sideways = p - np.roll(p, -1, 1)
     s = _faces(k, np.roll(k, -1, 1)) * sideways
     # what a face loses, its two cells lose in the ratio of their resistances; the half face at an edge is its cell's
-    beside = np.roll(k, -1, 1)
-    along, across, share, sideways_share = q * drop, s * sideways, _share(k[:-1], k[1:]), _share(k, beside)
-    loss = across * sideways_share + np.roll(across * (1.0 - sideways_share), 1, 1)
-    loss[0] += along[0]
-    loss[-1] += along[-1]
-    loss[:-1] += along[1:-1] * share
-    loss[1:] += along[1:-1] * (1.0 - share)
+    next_k = np.roll(k, -1, 1)
+    axial, cross, share, sideways_share = q * drop, s * sideways, _share(k[:-1], k[1:]), _share(k, next_k)
+    loss = cross * sideways_share + np.roll(cross * (1.0 - sideways_share), 1, 1)
+    loss[0] += axial[0]
+    loss[-1] += axial[-1]
+    loss[:-1] += axial[1:-1] * share
+    loss[1:] += axial[1:-1] * (1.0 - share)
     flux = np.hypot(0.5 * (q[:-1] + q[1:]), 0.5 * (s + np.roll(s, 1, 1)))
     mean = flow.gap_cubed / scale**3 / gap.shape[0]
     return Streams(flux / mean, loss / loss.sum())
 
 
-def spanning(open_cells: BoolArray) -> BoolArray:
+def find_spanning(open_cells: BoolArray) -> BoolArray:
     """Open cells joined through faces to both the first and the last row; sides (axis 1) are periodic."""
     label, _ = _clusters(open_cells)
-    first, last = np.unique(label[0]), np.unique(label[-1])
-    both = np.intersect1d(first, last)
-    return np.isin(label, both[both > 0])
+    first_row, last_row = np.unique(label[0]), np.unique(label[-1])
+    labels = np.intersect1d(first_row, last_row)
+    return np.isin(label, labels[labels > 0])
 
 
-def winding(open_cells: BoolArray) -> tuple[BoolArray, IntArray]:
+def find_winding(open_cells: BoolArray) -> tuple[BoolArray, IntArray]:
     """Open cells of clusters that meet themselves one period further along axis 0, and one cell of each cluster."""
     label, count = _clusters(open_cells)
     # Clusters across the seam between the last and the first row, with the number of periods climbed so far.
@@ -207,7 +207,7 @@ def winding(open_cells: BoolArray) -> tuple[BoolArray, IntArray]:
         neighbours.setdefault(a, []).append((b, 1))
         neighbours.setdefault(b, []).append((a, -1))
     height: dict[int, int] = {}
-    cluster, wound = np.arange(count + 1), set()
+    cluster, seeds = np.arange(count + 1), set()
     for seed in neighbours:
         if seed in height:
             continue
@@ -220,10 +220,10 @@ def winding(open_cells: BoolArray) -> tuple[BoolArray, IntArray]:
                     height[b] = height[a] + climb
                     todo.append(b)
                 elif height[b] != height[a] + climb:
-                    wound.add(seed)
-    joined = cluster[label]
-    winds = np.isin(joined, sorted(wound))
-    pins = [int(np.flatnonzero(joined.ravel() == seed)[0]) for seed in sorted(wound)]
+                    seeds.add(seed)
+    seed_of_cell = cluster[label]
+    winds = np.isin(seed_of_cell, sorted(seeds))
+    pins = [int(np.flatnonzero(seed_of_cell.ravel() == seed)[0]) for seed in sorted(seeds)]
     return winds, np.array(pins, dtype=np.int64)
 
 
@@ -237,26 +237,26 @@ def _clusters(open_cells: BoolArray) -> tuple[IntArray, int]:
     seam = sparse.coo_array(
         (np.ones(np.count_nonzero(sides)), (label[sides, -1], label[sides, 0])), shape=(count + 1, count + 1)
     )
-    _, joined = csgraph.connected_components(seam, directed=False)
+    _, component = csgraph.connected_components(seam, directed=False)
     # the label 0 has no link, hence a component of its own: it is made 0 again
-    joined = np.where(np.arange(count + 1) == 0, 0, joined + 1)
-    return joined[label].astype(np.int64), int(joined.max(initial=0))
+    component = np.where(np.arange(count + 1) == 0, 0, component + 1)
+    return component[label].astype(np.int64), int(component.max(initial=0))
 
 
-def _faces(k: FloatArray, beyond: FloatArray) -> FloatArray:
+def _faces(k: FloatArray, next_k: FloatArray) -> FloatArray:
     """Harmonic means; zero beside a closed cell."""
-    both = k + beyond
-    return np.divide(2.0 * k * beyond, both, out=np.zeros_like(both), where=both > 0.0)
+    total = k + next_k
+    return np.divide(2.0 * k * next_k, total, out=np.zeros_like(total), where=total > 0.0)
 
 
-def _share(k: FloatArray, beyond: FloatArray) -> FloatArray:
+def _share(k: FloatArray, next_k: FloatArray) -> FloatArray:
     """Share of a face's resistance that is the first cell's."""
-    both = k + beyond
-    return np.divide(beyond, both, out=np.zeros_like(both), where=both > 0.0)
+    total = k + next_k
+    return np.divide(next_k, total, out=np.zeros_like(total), where=total > 0.0)
 
 
 def _pressures(
-    cells: BoolArray, along: FloatArray, across: FloatArray, diagonal: FloatArray, load: FloatArray
+    cells: BoolArray, k_along: FloatArray, k_across: FloatArray, diagonal: FloatArray, load: FloatArray
 ) -> FloatArray:
     """Pressures of the cells that are numbered by nested dissection, zero elsewhere, shape (n, m).
 
@@ -267,7 +267,7 @@ def _pressures(
     ----------
     cells : ndarray of bool
         Those with a pressure.
-    along, across : ndarray
+    k_along, k_across : ndarray
         Conductance to the next cell along axis 0, periodic with as many rows as the cells, and along axis 1.
     diagonal, load : ndarray
         Sum of the conductances of each cell, and what flows into it from outside.
@@ -281,10 +281,10 @@ def _pressures(
     number[cells] = inverse
     scale = 1.0 / np.sqrt(diagonal[cells][order])
     rows, columns, values = [inverse], [inverse], [np.ones(inverse.size)]
-    for axis, k in enumerate((along, across)):
-        joined = np.nonzero(k)
-        i, j = number[joined], np.roll(number, -1, axis)[joined]
-        value = -k[joined] * scale[i] * scale[j]
+    for axis, k in enumerate((k_along, k_across)):
+        links = np.nonzero(k)
+        i, j = number[links], np.roll(number, -1, axis)[links]
+        value = -k[links] * scale[i] * scale[j]
         rows += [i, j]
         columns += [j, i]
         values += [value, value]
@@ -292,9 +292,9 @@ def _pressures(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(inverse.size,) * 2
     )
     factors = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    found = np.zeros(cells.shape)
-    found[cells] = (factors.solve(load[cells][order] * scale) * scale)[inverse]
-    return found
+    pressure = np.zeros(cells.shape)
+    pressure[cells] = (factors.solve(load[cells][order] * scale) * scale)[inverse]
+    return pressure
 
 
 @lru_cache(maxsize=4)
@@ -311,9 +311,9 @@ def _dissection(n: int, m: int) -> IntArray:
     # both seams of a periodic patch are lines that part it
     give(rank[:, 0])
     give(rank[0, 1:])
-    left = [rank[1:, 1:]]
-    while left:
-        part = left.pop()
+    parts = [rank[1:, 1:]]
+    while parts:
+        part = parts.pop()
         if part.size <= 16:
             give(part)
             continue
@@ -321,6 +321,6 @@ def _dissection(n: int, m: int) -> IntArray:
             part = part.T
         middle = part.shape[0] // 2
         give(part[middle])
-        left += [part[middle + 1 :], part[:middle]]
+        parts += [part[middle + 1 :], part[:middle]]
     rank.flags.writeable = False
     return rank

@@ -21,7 +21,7 @@ from leak.direct.contact import PeriodicHalfSpace
 from leak.numerics.roots import root_of_rising
 
 # The first layer is half as thick as the grid is wide, all of them reach a third of the shorter side.
-_FIRST, _DEPTH = 0.5, 1.0 / 3.0
+_FIRST_LAYER, _DEPTH = 0.5, 1.0 / 3.0
 
 # Components of a strain without change of volume; e_zz = -e_xx - e_yy.
 XX, YY, XY, XZ, YZ = range(5)
@@ -38,7 +38,7 @@ class _Factors(NamedTuple):
 
     inverse: FloatArray
     """Of the pivots, shape (layers + 1, size, size, waves)."""
-    carried: FloatArray
+    transfer: FloatArray
     """What a node hands to the one above, shape (layers, size, size, waves)."""
 
     @classmethod
@@ -46,9 +46,9 @@ class _Factors(NamedTuple):
         """Of diagonal blocks of one or two unknowns and the blocks above them, which are overwritten."""
         for k in range(len(pivot) - 1, -1, -1):
             if k < len(coupling):
-                coupled = coupling[k].copy()
-                coupling[k] = np.einsum("abm,bcm->acm", coupled, pivot[k + 1])
-                pivot[k] -= np.einsum("abm,cbm->acm", coupling[k], coupled)
+                block = coupling[k].copy()
+                coupling[k] = np.einsum("abm,bcm->acm", block, pivot[k + 1])
+                pivot[k] -= np.einsum("abm,cbm->acm", coupling[k], block)
             if pivot.shape[1] == 1:
                 pivot[k] = 1.0 / pivot[k]
             else:
@@ -56,14 +56,14 @@ class _Factors(NamedTuple):
                 pivot[k] = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
         return cls(pivot, coupling)
 
-    def solved(self, force: np.ndarray) -> np.ndarray:
+    def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacements by nodal forces, shape (layers + 1, size, waves); the forces are overwritten."""
-        for k in range(len(self.carried) - 1, -1, -1):
-            force[k] -= (self.carried[k] * force[k + 1]).sum(axis=1)
+        for k in range(len(self.transfer) - 1, -1, -1):
+            force[k] -= (self.transfer[k] * force[k + 1]).sum(axis=1)
         for k, inverse in enumerate(self.inverse):
             force[k] = (inverse * force[k]).sum(axis=1)
             if k:
-                force[k] -= (self.carried[k - 1] * force[k - 1][:, None]).sum(axis=0)
+                force[k] -= (self.transfer[k - 1] * force[k - 1][:, None]).sum(axis=0)
         return force
 
 
@@ -134,13 +134,13 @@ class LayeredHalfSpace:
     @cached_property
     def thickness(self) -> FloatArray:
         """Of each layer from the top, shape (layers,) [m]."""
-        first = _FIRST * self.surface.spacing
-        whole = _DEPTH * min(self.surface.shape) * self.surface.spacing / first
+        first_layer = _FIRST_LAYER * self.surface.spacing
+        total = _DEPTH * min(self.surface.shape) * self.surface.spacing / first_layer
         n = np.arange(self.layers)
         log_growth = root_of_rising(
-            lambda x: float(np.log(np.exp(n * x).sum() / whole)), -5.0, 5.0, 0.05, 1e-12
+            lambda x: float(np.log(np.exp(n * x).sum() / total)), -5.0, 5.0, 0.05, 1e-12
         )
-        return first * np.exp(n * log_growth)
+        return first_layer * np.exp(n * log_growth)
 
     # ---------------------------------------------------------------- waves
 
@@ -148,26 +148,26 @@ class LayeredHalfSpace:
     def _waves(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """q [1/m], and cosine and sine of its angle, shape (n, m // 2 + 1)."""
         (n, m), spacing = self.surface.shape, self.surface.spacing
-        along, across = np.fft.fftfreq(n, spacing)[:, None], np.fft.rfftfreq(m, spacing)[None, :]
-        q = np.hypot(along, across)
+        q_x, q_y = np.fft.fftfreq(n, spacing)[:, None], np.fft.rfftfreq(m, spacing)[None, :]
+        q = np.hypot(q_x, q_y)
         q[0, 0] = 1.0
-        return 2.0 * np.pi * q, along / q, across / q
+        return 2.0 * np.pi * q, q_x / q, q_y / q
 
     @property
     def _q(self) -> FloatArray:
         return self._waves[0].ravel()
 
     @cached_property
-    def _coupled(self) -> FloatArray:
+    def _coupling_mask(self) -> FloatArray:
         """Waves through which plastic strain acts: all but the mean and, odd derivatives having none, the shortest."""
         n, m = self.surface.shape
-        found = np.ones(self._waves[0].shape)
-        found[0, 0] = 0.0
+        mask = np.ones(self._waves[0].shape)
+        mask[0, 0] = 0.0
         if n % 2 == 0:
-            found[n // 2, :] = 0.0
+            mask[n // 2, :] = 0.0
         if m % 2 == 0:
-            found[:, m // 2] = 0.0
-        return found
+            mask[:, m // 2] = 0.0
+        return mask
 
     @cached_property
     def _factors(self) -> tuple[_Factors, _Factors]:
@@ -195,8 +195,8 @@ class LayeredHalfSpace:
             coupling[k] = stiffness[:2, 2:]
             pivot_t[k : k + 2] += h * G * (0.25 * q * q + steep * steep)
             coupling_t[k] = h * G * (0.25 * q * q - steep * steep)
-        own, other = 2.0 - 2.0 * nu, 2.0 * nu - 1.0
-        pivot[-1] += 2.0 * G * q / (3.0 - 4.0 * nu) * np.array([[own, other], [other, own]])[..., None]
+        direct, cross = 2.0 - 2.0 * nu, 2.0 * nu - 1.0
+        pivot[-1] += 2.0 * G * q / (3.0 - 4.0 * nu) * np.array([[direct, cross], [cross, direct]])[..., None]
         pivot_t[-1] += G * q
         return _Factors.of(pivot, coupling), _Factors.of(pivot_t, coupling_t)
 
@@ -205,7 +205,7 @@ class LayeredHalfSpace:
         """U and W by a pressure of one on the surface, shape (layers + 1, 2, waves) [m/Pa]."""
         force = np.zeros((self.layers + 1, 2, self._q.size))
         force[0, 1] = 1.0
-        return self._factors[0].solved(force)
+        return self._factors[0].solve(force)
 
     # ---------------------------------------------------------------- answers
 
@@ -222,7 +222,7 @@ class LayeredHalfSpace:
         G, q, h = self.shear_modulus, self._q, self.thickness[:, None]
         waves = fft.rfft2(strain)
         mean = waves[..., 0, 0].real / math.prod(self.surface.shape)
-        waves *= self._coupled
+        waves *= self._coupling_mask
         _, c, s = self._waves
         xx, yy, xy, xz, yz = waves
 
@@ -230,7 +230,7 @@ class LayeredHalfSpace:
             return values.reshape(self.layers, -1)
 
         # stress 2 G e on the strains of the nodes' own displacement
-        force, across = (np.zeros((self.layers + 1, size, q.size), complex) for size in (2, 1))
+        force, force_t = (np.zeros((self.layers + 1, size, q.size), complex) for size in (2, 1))
         stretch = (-G * h * q) * flat(c * c * xx + s * s * yy + 2.0 * c * s * xy)
         shear = (-2.0j * G) * flat(c * xz + s * yz)
         force[:-1, 0] = stretch - shear
@@ -240,12 +240,12 @@ class LayeredHalfSpace:
         force[1:, 1] += tilt + rise
         stretch = (-G * h * q) * flat(c * s * (yy - xx) + (c * c - s * s) * xy)
         shear = (-2.0j * G) * flat(c * yz - s * xz)
-        across[:-1, 0] = stretch - shear
-        across[1:, 0] += stretch + shear
+        force_t[:-1, 0] = stretch - shear
+        force_t[1:, 0] += stretch + shear
         in_plane, out_of_plane = self._factors
-        return PlasticResponse(in_plane.solved(force), out_of_plane.solved(across)[:, 0], mean)
+        return PlasticResponse(in_plane.solve(force), out_of_plane.solve(force_t)[:, 0], mean)
 
-    def raised(self, response: PlasticResponse) -> FloatArray:
+    def surface_rise(self, response: PlasticResponse) -> FloatArray:
         """Displacement of the surface by plastic strain, upwards, shape (n, m) [m].
 
         Its mean is that of a body that cannot become wider: (1 - 2 nu)/(1 - nu) of the mean plastic strain along z,
@@ -273,18 +273,18 @@ class LayeredHalfSpace:
         shape, q, h = self.surface.shape, self._q, self.thickness[:, None]
         points = math.prod(shape)
         _, c, s = self._waves
-        pressed = fft.rfft2(pressure).ravel()
-        U, W = (response.along[:, k] + self._by_pressure[:, k] * pressed for k in (0, 1))
+        waves_p = fft.rfft2(pressure).ravel()
+        U, W = (response.along[:, k] + self._by_pressure[:, k] * waves_p for k in (0, 1))
         T = response.across
 
-        def layered(values: np.ndarray) -> np.ndarray:
+        def by_layer(values: np.ndarray) -> np.ndarray:
             return values.reshape(self.layers, *c.shape)
 
         ll, zz = (-0.5 * q) * (U[1:] + U[:-1]), (W[1:] - W[:-1]) / h
-        third = layered((ll + zz) / 3.0)
-        ll = layered(ll)
-        lz = layered(0.5j * ((U[1:] - U[:-1]) / h + (0.5 * q) * (W[1:] + W[:-1])))
-        lt, tz = layered((-0.25 * q) * (T[1:] + T[:-1])), layered(0.5j * (T[1:] - T[:-1]) / h)
+        third = by_layer((ll + zz) / 3.0)
+        ll = by_layer(ll)
+        lz = by_layer(0.5j * ((U[1:] - U[:-1]) / h + (0.5 * q) * (W[1:] + W[:-1])))
+        lt, tz = by_layer((-0.25 * q) * (T[1:] + T[:-1])), by_layer(0.5j * (T[1:] - T[:-1]) / h)
         waves = np.stack(
             [
                 c * c * ll - 2.0 * c * s * lt - third,
@@ -294,7 +294,7 @@ class LayeredHalfSpace:
                 s * lz + c * tz,
             ]
         )
-        waves *= self._coupled
+        waves *= self._coupling_mask
         # the mean: no strain in the plane, no shear stress, and the mean pressure along z
         G = self.shear_modulus
         stretch = -(response.mean[XX] + response.mean[YY])

@@ -154,12 +154,12 @@ def refined(heights: FloatArray, points: int) -> FloatArray:
     True
     """
     n = heights.shape[0]
-    kept = min(n, points) // 2
-    old, new = np.fft.fft2(heights), np.zeros((points, points), dtype=complex)
+    count = min(n, points) // 2
+    waves, new_waves = np.fft.fft2(heights), np.zeros((points, points), dtype=complex)
     # without the wave of two points, which has no phase
-    k = np.arange(-kept + 1, kept)
-    new[np.ix_(k, k)] = old[np.ix_(k, k)]
-    return np.asarray(np.real(np.fft.ifft2(new))) * (points / n) ** 2
+    k = np.arange(-count + 1, count)
+    new_waves[np.ix_(k, k)] = waves[np.ix_(k, k)]
+    return np.asarray(np.real(np.fft.ifft2(new_waves))) * (points / n) ** 2
 
 
 def smoothed(heights: FloatArray, size: float, shortest_wavelength: float) -> FloatArray:

@@ -326,7 +326,9 @@ def size_study(
     >>> bool(0.5 < half.mean_gap[0] / whole.mean_gap[0] < 2.0)
     True
     """
-    pieces = (replace(patch, points=round(one * patch.points), size=one * patch.size) for one in factors)
+    pieces = (
+        replace(patch, points=round(factor * patch.points), size=factor * patch.size) for factor in factors
+    )
     return [
         simulate(piece.heights(seed), piece.size, pressures, effective_modulus=effective_modulus)
         for piece in pieces

@@ -195,10 +195,10 @@ class Strip:
         contact = press(body, h, mean, hardness=cap, tolerance=tolerance)
         return self._state(contact, contact.pressure >= (cap or math.inf), flight)
 
-    def _state(self, contact: ContactState, yielded: np.ndarray, flight: float | None) -> StripState:
+    def _state(self, contact: ContactState, yields: np.ndarray, flight: float | None) -> StripState:
         gap = contact.gap if flight is None else rarefied_gap(contact.gap, flight)
         conductance = patch_flow(gap).gap_cubed / self.width
-        return StripState(contact.gap, contact.pressure, yielded, conductance)
+        return StripState(contact.gap, contact.pressure, yields, conductance)
 
 
 def rest_gap(gap: FloatArray, pressure: FloatArray, width: float, effective_modulus: float) -> FloatArray:
@@ -229,5 +229,5 @@ def rest_gap(gap: FloatArray, pressure: FloatArray, width: float, effective_modu
     0.0
     """
     body = PeriodicHalfSpace((len(gap), 1), width, effective_modulus)
-    found = np.asarray(gap) - body.displacement(np.asarray(pressure, dtype=float)[:, None])[:, 0]
-    return np.asarray(found - found.min())
+    rest = np.asarray(gap) - body.displacement(np.asarray(pressure, dtype=float)[:, None])[:, 0]
+    return np.asarray(rest - rest.min())

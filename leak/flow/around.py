@@ -17,14 +17,14 @@ from leak.flow.leak_rate import GasPermeant, LiquidPermeant, Permeant, gap_of, p
 from leak.fluids.properties import FlowPotential, Gas, GasPotential, PressureLaw
 
 # Of the conductance with free flow around: more is no resistance.
-_MOST = 1e9
+_MOST_CONDUCTANCE = 1e9
 # Of the flow, all links together: less is no way. Kept, it would leave places whose pressure is nothing but round-off.
-_LEAST = 1e-9
+_LEAST_SHARE = 1e-9
 # The same where every single angle is sealed, of the conductance with free flow around.
 _FAINTEST = 1e-24
 _REFINEMENTS = 2
 _MOST_ITERATIONS = 200
-_CONVERGED = 1e-11
+_TOLERANCE = 1e-11
 # The gas pressure at which a vacuum is taken [Pa].
 _VACUUM = 1e-3
 
@@ -267,39 +267,39 @@ def flow_round(
     xs, _, rs = checked_profile(x, np.ones(np.shape(x)), radius)
     ends = potential_ends(permeant, pressure_side)
     if callable(conductivity):
-        across, found = (
-            _swept(xs, rs, conductivity, ends, permeant.potential, around) for around in (False, True)
+        radial_only, state = (
+            _solve_sweeps(xs, rs, conductivity, ends, permeant.potential, around) for around in (False, True)
         )
-        radial = 0.5 * (across.first + across.last)
+        radial = 0.5 * (radial_only.first + radial_only.last)
     else:
         ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
-        found, radial = ring.solved(*ends), ring.radial * abs(ends[1] - ends[0])
-    high, low = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
+        state, radial = ring.solve(*ends), ring.radial * abs(ends[1] - ends[0])
+    high, low = (state.last, state.first) if pressure_side == "outer" else (state.first, state.last)
     c = permeant.per_potential
-    return c * found.flow, c * high, c * low, c * radial, permeant.potential.pressure(found.potential)
+    return c * state.flow, c * high, c * low, c * radial, permeant.potential.pressure(state.potential)
 
 
-def _swept(
+def _solve_sweeps(
     x: FloatArray,
     radius: FloatArray,
     conductivity: GasConductivityField,
     ends: tuple[float, float],
     potential: FlowPotential | GasPotential,
     around: bool,
-) -> _Solved:
+) -> _Solution:
     """Solution with the conductivity at the fluid pressure that belongs to it."""
     first, last = ends
     pressure = potential.pressure(first + (last - first) * np.linspace(0.0, 1.0, x.size)[:, None])
     pressure = pressure * np.ones(np.asarray(conductivity(np.full((x.size, 1), pressure.max()))).shape[-1])
-    before = np.inf
+    last_flow = np.inf
     for _ in range(_MOST_ITERATIONS):
         at = np.maximum(pressure, _VACUUM)
-        found = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around).solved(first, last)
-        new = potential.pressure(found.potential)
-        if abs(found.flow - before) <= _CONVERGED * found.flow:
-            return found
-        before = found.flow
-        pressure = np.where(np.isnan(new), pressure, 0.5 * (pressure + new))
+        state = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around).solve(first, last)
+        new_pressure = potential.pressure(state.potential)
+        if abs(state.flow - last_flow) <= _TOLERANCE * state.flow:
+            return state
+        last_flow = state.flow
+        pressure = np.where(np.isnan(new_pressure), pressure, 0.5 * (pressure + new_pressure))
     raise ConductivityError("conductivity of the gas: no flow was found; it must fall no faster than 1/p_f")
 
 
@@ -307,7 +307,7 @@ def _swept(
 
 
 @dataclass(frozen=True, eq=False)
-class _Solved:
+class _Solution:
     flow: float
     first: FloatArray
     """Across the edges at the first and the last x, from the high to the low potential, per angle, shape (k,)."""
@@ -336,8 +336,8 @@ class _Ring:
             return np.zeros(self.conductivity.shape)
         step = 2.0 * np.pi / self.conductivity.shape[1]
         edges = np.concatenate([self.x[:1], 0.5 * (self.x[1:] + self.x[:-1]), self.x[-1:]])
-        both = np.stack([self.conductivity, np.roll(self.conductivity, -1, axis=1)])
-        return _harmonic_mean(both)[0] * (np.diff(edges) / self.radius)[:, None] / step**2
+        pair = np.stack([self.conductivity, np.roll(self.conductivity, -1, axis=1)])
+        return _harmonic_mean(pair)[0] * (np.diff(edges) / self.radius)[:, None] / step**2
 
     @cached_property
     def radial(self) -> FloatArray:
@@ -346,38 +346,38 @@ class _Ring:
             return 1.0 / np.sum(1.0 / self.across_links, axis=0)
 
     @cached_property
-    def whole(self) -> float:
+    def upper_bound(self) -> float:
         """Conductance if fluid went round without resistance: an upper bound [m^3/(Pa s rad)]."""
         with np.errstate(divide="ignore", over="ignore"):
             return float(1.0 / np.sum(1.0 / self.across_links.sum(axis=1)))
 
-    def solved(self, first: float, last: float) -> _Solved:
+    def solve(self, first: float, last: float) -> _Solution:
         """Flow for the potentials at the first and the last x."""
         m, k = self.conductivity.shape
-        if not np.isfinite(self.whole):
+        if not np.isfinite(self.upper_bound):
             raise ConductivityError("conductivity is infinite all the way across: there is no contact")
         count = self.across_links.size + self.around_links.size
-        most = _MOST * self.whole if self.whole > 0.0 else np.inf
-        least = max(_LEAST * float(self.radial.sum()) / count, _FAINTEST * self.whole)
-        across, around = (
-            np.where(links > least, np.minimum(links, most), 0.0)
+        upper = _MOST_CONDUCTANCE * self.upper_bound if self.upper_bound > 0.0 else np.inf
+        lower = max(_LEAST_SHARE * float(self.radial.sum()) / count, _FAINTEST * self.upper_bound)
+        x_links, phi_links = (
+            np.where(links > lower, np.minimum(links, upper), 0.0)
             for links in (self.across_links, self.around_links)
         )
         place = np.arange(m * k).reshape(m, k)
         tail = np.concatenate([place[:-1].ravel(), place.ravel()])
         head = np.concatenate([place[1:].ravel(), np.roll(place, -1, axis=1).ravel()])
-        links = np.concatenate([across.ravel(), around.ravel()])
+        links = np.concatenate([x_links.ravel(), phi_links.ravel()])
         # Share of the drop counted from either side: each is exact next to its own.
         share, rest, sides = _shares(tail, head, links, place)
-        near = share < 0.5
-        drops = np.where(near[head] & near[tail], share[head] - share[tail], rest[tail] - rest[head])
+        is_near = share < 0.5
+        drops = np.where(is_near[head] & is_near[tail], share[head] - share[tail], rest[tail] - rest[head])
         drop, step = abs(last - first), 2.0 * np.pi / k
         flow = float(np.sum(links * drops**2)) * step * drop if np.any(sides == 2) else 0.0
-        shares = np.where(sides > 0, np.where(near, share, 1.0 - rest), np.nan).reshape(m, k)
-        return _Solved(
+        shares = np.where(sides > 0, np.where(is_near, share, 1.0 - rest), np.nan).reshape(m, k)
+        return _Solution(
             flow,
-            across[0] * share.reshape(m, k)[1] * drop,
-            across[-1] * rest.reshape(m, k)[-2] * drop,
+            x_links[0] * share.reshape(m, k)[1] * drop,
+            x_links[-1] * rest.reshape(m, k)[-2] * drop,
             first + (last - first) * shares,
         )
 
@@ -393,15 +393,15 @@ def _shares(
     from scipy.sparse.csgraph import connected_components
     from scipy.sparse.linalg import splu
 
-    known = links > 0.0
+    conducts = links > 0.0
     # the sides are one place each, which must not join the other
-    i = np.concatenate([tail[known], place[0], place[-1]])
+    i = np.concatenate([tail[conducts], place[0], place[-1]])
     j = np.concatenate(
-        [head[known], np.full_like(place[0], place[0, 0]), np.full_like(place[-1], place[-1, 0])]
+        [head[conducts], np.full_like(place[0], place[0, 0]), np.full_like(place[-1], place[-1, 0])]
     )
     graph = coo_array((np.ones(i.size), (i, j)), shape=(place.size, place.size))
-    part = connected_components(graph, directed=False)[1]
-    from_first, from_last = part == part[place[0, 0]], part == part[place[-1, 0]]
+    group = connected_components(graph, directed=False)[1]
+    from_first, from_last = group == group[place[0, 0]], group == group[place[-1, 0]]
     share, rest = np.where(from_last & ~from_first, 1.0, 0.0), np.where(from_first & ~from_last, 1.0, 0.0)
     share[place[-1]], rest[place[0]] = 1.0, 1.0
     sides = from_first.astype(np.intp) + from_last
@@ -411,22 +411,22 @@ def _shares(
         return share, rest, sides
     number = np.cumsum(unknown) - 1
     i, j = np.concatenate([tail, head]), np.concatenate([head, tail])
-    both = np.concatenate([links, links])
-    diagonal = np.bincount(i, both, place.size)[unknown]
+    all_links = np.concatenate([links, links])
+    diagonal = np.bincount(i, all_links, place.size)[unknown]
     scale = 1.0 / np.sqrt(diagonal)
-    inside = unknown[i] & unknown[j]
-    rows, columns = number[i[inside]], number[j[inside]]
-    own = np.arange(diagonal.size)
-    values = np.concatenate([np.ones(own.size), -both[inside] * scale[rows] * scale[columns]])
-    ends = np.concatenate([own, rows]), np.concatenate([own, columns])
-    matrix = coo_array((values, ends), shape=(own.size, own.size)).tocsc()
+    is_inner = unknown[i] & unknown[j]
+    rows, columns = number[i[is_inner]], number[j[is_inner]]
+    numbers = np.arange(diagonal.size)
+    values = np.concatenate([np.ones(numbers.size), -all_links[is_inner] * scale[rows] * scale[columns]])
+    ends = np.concatenate([numbers, rows]), np.concatenate([numbers, columns])
+    matrix = coo_array((values, ends), shape=(numbers.size, numbers.size)).tocsc()
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    for one in (share, rest):
+    for part in (share, rest):
         for _ in range(1 + _REFINEMENTS):
-            flows = links * (one[head] - one[tail])
+            flows = links * (part[head] - part[tail])
             into = np.bincount(tail, flows, place.size) - np.bincount(head, flows, place.size)
-            one[unknown] += scale * factors.solve(scale * into[unknown])
-        np.clip(one, 0.0, 1.0, out=one)
+            part[unknown] += scale * factors.solve(scale * into[unknown])
+        np.clip(part, 0.0, 1.0, out=part)
     return share, rest, sides
 
 
@@ -442,7 +442,7 @@ def _checked_conductivity(conductivity: ArrayLike, rows: int) -> FloatArray:
         raise ConductivityError(
             f"conductivity has shape {values.shape}: must be ({rows}, k), a row for each x and a column for each angle"
         )
-    wrong = ~(values >= 0.0)
-    if np.any(wrong):
-        raise ConductivityError(f"conductivity = {values[wrong][0]}: must not be negative [m^3/(Pa s)]")
+    is_wrong = ~(values >= 0.0)
+    if np.any(is_wrong):
+        raise ConductivityError(f"conductivity = {values[is_wrong][0]}: must not be negative [m^3/(Pa s)]")
     return values

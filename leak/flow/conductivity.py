@@ -63,8 +63,8 @@ def table_abscissa(
     The last open paths are at the smallest scales, where u1 vanishes like exp(-a^2/Y^2), so that ln u_eff goes like
     -1/(1 - p/p_seal). The closed law of the threshold falls with a power of 1 - p/p_seal instead: its logarithm.
     """
-    left = -np.expm1(log_pressure - log_sealing_pressure)
-    return log_pressure + (-np.log(left) if method == "threshold-law" else _SEALING_WEIGHT / left)
+    to_sealing = -np.expm1(log_pressure - log_sealing_pressure)
+    return log_pressure + (-np.log(to_sealing) if method == "threshold-law" else _SEALING_WEIGHT / to_sealing)
 
 
 def logarithmic(ratio: FloatArray) -> FloatArray:
@@ -237,20 +237,20 @@ class ConductivityTable:
         """u_eff at ln(p/Pa) [m]; zero below 1e-60 m, just before the sealing pressure."""
         x = self.asked(np.asarray(log_pressure, dtype=float))
         sealing, log_p_max = self._log_sealing, math.log(self.p_max) + 1e-9
-        highest = x.max(initial=-np.inf)
-        if highest > log_p_max and (too_high := (x > log_p_max) & (x < sealing)).any():
-            worst = float(np.exp(x[too_high].max()))
+        top = x.max(initial=-np.inf)
+        if top > log_p_max and (too_high := (x > log_p_max) & (x < sealing)).any():
+            pressure = float(np.exp(x[too_high].max()))
             raise ConductivityError(
-                f"pressure = {worst:.6g} Pa is above the table's p_max = {self.p_max:.6g} Pa: make the table wider"
+                f"pressure = {pressure:.6g} Pa is above the table's p_max = {self.p_max:.6g} Pa: make the table wider"
             )
         # mostly all of the contact leaks
-        sealed = x >= sealing if highest >= sealing else False
-        inside = x if sealed is False else np.where(sealed, sealing - 1.0, x)
-        abscissa = table_abscissa(inside, sealing, self.method)
+        is_sealed = x >= sealing if top >= sealing else False
+        below_sealing = x if is_sealed is False else np.where(is_sealed, sealing - 1.0, x)
+        abscissa = table_abscissa(below_sealing, sealing, self.method)
         y = self._curve.value(abscissa)
         # ln(1 + exp(y))
         u = self._decay_length * (np.maximum(y, 0.0) + np.log1p(np.exp(-np.abs(y))))
-        return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
+        return np.where(is_sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
 
     def asked(self, log_pressure: FloatArray) -> FloatArray:
         """ln of the pressure at which the table is asked, of the nominal one at ln(p/Pa)."""
@@ -483,17 +483,17 @@ class GasConductivityTable:
             ln(p/Pa).
         """
         low, high = np.log(self.liquid.pressure[[0, -1]])
-        asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
-        x = self._abscissa(np.minimum(np.maximum(asked, low), high))
-        along, share = self._spline.along(x), self._share.value(x)
+        log_p = self.liquid.asked(np.asarray(log_pressure, dtype=float))
+        x = self._abscissa(np.minimum(np.maximum(log_p, low), high))
+        log_rarefaction, share = self._spline.at(x), self._share.value(x)
         first, last = ends = self.log_inverse_knudsen[[0, -1]]
-        most, least = log_flow_factor(ends)
+        log_f_first, log_f_last = log_flow_factor(ends)
 
         def log_flow(log_D: FloatArray) -> FloatArray:
             log_f = log_flow_factor(log_D)
             # f falls: between the ends of the table it is what it is at the nearest D there
-            log_R = along(np.minimum(np.maximum(log_D, first), last))
-            log_R -= share * np.minimum(np.maximum(log_f, least), most)
+            log_R = log_rarefaction(np.minimum(np.maximum(log_D, first), last))
+            log_R -= share * np.minimum(np.maximum(log_f, log_f_last), log_f_first)
             if log_D.max(initial=-np.inf) > last:
                 log_R *= np.exp(-np.maximum(log_D - last, 0.0))
             return log_R + log_f
@@ -565,31 +565,31 @@ class LoadMemory:
         x, top = np.broadcast_arrays(
             np.asarray(log_pressure, dtype=float), np.asarray(log_largest, dtype=float)
         )
-        found = np.array(x)
+        equivalent = np.array(x)
         if self.surface.hardness is None:
-            return found
+            return equivalent
         # what carries nothing is open, whatever it carried before
         harder = (top > x) & np.isfinite(x)
         log_hardness = np.log(self.surface.hardness)
         # a place that was pressed flat once stays so
         flat = harder & (top >= log_hardness + np.log(_FLAT))
-        found[flat] = top[flat]
+        equivalent[flat] = top[flat]
         remembers = harder & ~flat
         if np.any(remembers):
-            p, most = x[remembers], top[remembers]
-            found[remembers] = np.clip(p + self._rise(most - log_hardness, most - p), p, most)
-        return found
+            p, top_p = x[remembers], top[remembers]
+            equivalent[remembers] = np.clip(p + self._rise(top_p - log_hardness, top_p - p), p, top_p)
+        return equivalent
 
     def _rise(self, log_share: FloatArray, fall: FloatArray) -> FloatArray:
         """ln(p*/p) over p_max/hardness and ln(p_max/p)."""
-        inside = np.clip(log_share, *_LOG_SHARES[[0, -1]])
+        share = np.clip(log_share, *_LOG_SHARES[[0, -1]])
         deepest = np.full(fall.shape, _FALLS[-1])
-        found = np.asarray(self._spline.ev(inside, np.minimum(fall, deepest)))
-        beyond = fall > deepest
-        if np.any(beyond):
-            slope = np.asarray(self._spline.ev(inside[beyond], deepest[beyond], dy=1))
-            found[beyond] += (fall - deepest)[beyond] * slope
-        return found
+        rise = np.asarray(self._spline.ev(share, np.minimum(fall, deepest)))
+        is_beyond = fall > deepest
+        if np.any(is_beyond):
+            slope = np.asarray(self._spline.ev(share[is_beyond], deepest[is_beyond], dy=1))
+            rise[is_beyond] += (fall - deepest)[is_beyond] * slope
+        return rise
 
     @cached_property
     def _spline(self) -> RectBivariateSpline:
@@ -598,5 +598,5 @@ class LoadMemory:
         assert self.surface.hardness is not None  # elastic asperities do not get here
         largest = self.surface.hardness * np.exp(_LOG_SHARES)[:, None]
         pressure = largest * np.exp(-_FALLS)
-        after = self.surface.equivalent_first_loading_pressure(pressure, largest)
-        return RectBivariateSpline(_LOG_SHARES, _FALLS, np.log(after / pressure))
+        equivalent = self.surface.equivalent_first_loading_pressure(pressure, largest)
+        return RectBivariateSpline(_LOG_SHARES, _FALLS, np.log(equivalent / pressure))

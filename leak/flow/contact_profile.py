@@ -32,7 +32,7 @@ _STEEPEST_RISE = 1.0
 _CELL_NODES, _CLOSE_NODES = 8, 4
 _CLOSE, _FURTHER = 0.5, 4.0
 # Shares of a cell at which a cubic is looked at.
-_LOOKED_AT = np.linspace(0.125, 0.875, 7)
+_CHECK_SHARES = np.linspace(0.125, 0.875, 7)
 _TAIL_NODES = 96
 # A law less bent than this is an exponential: its tail is the parabola of ln p, whatever the bend.
 _STRAIGHT = 1e-3
@@ -53,14 +53,14 @@ class Tail(NamedTuple):
 
     def fall(self, d: FloatArray) -> FloatArray:
         """ln p_end - ln p at distances d; infinite beyond the end of the face."""
-        grown = d * (self.slope + self.curvature * d)
-        return np.where(d <= self.length * (1.0 + 1e-9), grown * (1.0 + self.bend * grown), np.inf)
+        growth = d * (self.slope + self.curvature * d)
+        return np.where(d <= self.length * (1.0 + 1e-9), growth * (1.0 + self.bend * growth), np.inf)
 
     def reach(self, fall: float) -> float:
         """Distance at which ln p has fallen by `fall`, or the face ends [m]."""
-        grown = 2.0 * fall / (1.0 + float(np.sqrt(1.0 + 4.0 * self.bend * fall)))
-        root = float(np.sqrt(self.slope**2 + 4.0 * self.curvature * grown))
-        return min(2.0 * grown / (self.slope + root), self.length)
+        growth = 2.0 * fall / (1.0 + float(np.sqrt(1.0 + 4.0 * self.bend * fall)))
+        root = float(np.sqrt(self.slope**2 + 4.0 * self.curvature * growth))
+        return min(2.0 * growth / (self.slope + root), self.length)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +111,10 @@ class Patch:
         for end, edge in zip((0, -1), self.ends, strict=True):
             if edge != self.x[end]:
                 share = np.clip((x - edge) / (self.x[end] - edge), 0.0, 1.0)
-                beyond = (x - self.x[end]) * (edge - self.x[end]) > 0.0
+                is_beyond = (x - self.x[end]) * (edge - self.x[end]) > 0.0
                 with np.errstate(divide="ignore"):
                     root = self.log_p[end] + 0.5 * np.log(share)
-                spline = np.where(beyond, root, spline)
+                spline = np.where(is_beyond, root, spline)
         return spline
 
 
@@ -148,7 +148,7 @@ class ContactProfile:
         resistances of the patches add. A face that ends next to the last point carries the contact up to its end.
         """
         x, p, r = _up_to_ends(x, p, r, ends)
-        runs = _runs(p > _SMALLEST_PRESSURE)
+        runs = _group_points(p > _SMALLEST_PRESSURE)
         patches = tuple(
             Patch.through(
                 x[run],
@@ -165,11 +165,11 @@ class ContactProfile:
             _tail(first.x, first.log_p, 0, x[0] - ends[0], bends[0]) if runs[0][0] == 0 else None,
             _tail(last.x, last.log_p, -1, ends[1] - x[-1], bends[1]) if runs[-1][-1] == x.size - 1 else None,
         )
-        whole = len(patches) == 1 and first.ends == (first.x[0], first.x[-1])
+        is_single = len(patches) == 1 and first.ends == (first.x[0], first.x[-1])
         edges = (
             first.x
-            if whole
-            else sorted_unique(np.concatenate([part for one in patches for part in (one.ends, one.x)]))
+            if is_single
+            else sorted_unique(np.concatenate([part for patch in patches for part in (patch.ends, patch.x)]))
         )
         return cls(patches, edges, (x, r), tails)
 
@@ -203,7 +203,7 @@ class ContactProfile:
                 log_p = np.where(d > 0.0, self.log_p[end] - tail.fall(d), log_p)
         return log_p
 
-    def after(self, harder: ContactProfile, memory: RemembersLoad) -> ContactProfile:
+    def after_load(self, harder: ContactProfile, memory: RemembersLoad) -> ContactProfile:
         """The same contact after a load that pressed some of its places harder.
 
         Parameters
@@ -247,15 +247,15 @@ class ContactProfile:
 
         int f dx/(2 pi r) over each stretch is `np.add.reduceat(weight * f, begin)`.
         """
-        parts = [one for one in self.panels if one is not None]
-        asked, weights, begins, place = [], [], [], 0
-        for one in parts:
-            count = one.stretch.shape[1]
-            asked.append(one.log_equivalent.ravel())
-            weights.append((one.stretch * gauss(count)[1] / (4.0 * np.pi * one.radius)).ravel())
-            begins.append(np.arange(place, place + one.stretch.size, count))
-            place += one.stretch.size
-        return np.concatenate(asked), np.concatenate(weights), np.concatenate(begins)
+        parts = [panel for panel in self.panels if panel is not None]
+        log_p, weights, begins, place = [], [], [], 0
+        for panel in parts:
+            count = panel.stretch.shape[1]
+            log_p.append(panel.log_equivalent.ravel())
+            weights.append((panel.stretch * gauss(count)[1] / (4.0 * np.pi * panel.radius)).ravel())
+            begins.append(np.arange(place, place + panel.stretch.size, count))
+            place += panel.stretch.size
+        return np.concatenate(log_p), np.concatenate(weights), np.concatenate(begins)
 
     @property
     def _lies_close(self) -> bool:
@@ -276,18 +276,18 @@ class ContactProfile:
             return None
         # Distance over which ln p falls by about ten: that of u_eff by several decay lengths.
         scale = 10.0 / (0.5 * tail.slope + np.sqrt(0.25 * tail.slope**2 + 10.0 * tail.curvature))
-        last = 1.0 / (1.0 + scale / tail.length)
-        s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
+        top = 1.0 / (1.0 + scale / tail.length)
+        s = top * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         d = scale * s / (1.0 - s)
         log_p, x = self.log_p[end] - tail.fall(d), self.x[end] + outward * d
-        return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.log_equivalent(x, log_p))
+        return Panels(log_p, self.radius(x), top * scale / (1.0 - s) ** 2, self.log_equivalent(x, log_p))
 
 
-def _runs(there: BoolArray) -> list[IntArray]:
+def _group_points(is_there: BoolArray) -> list[IntArray]:
     """Numbers of the points that are there, those that follow each other together."""
-    if there.all():
-        return [np.arange(there.size)]
-    points = there.nonzero()[0]
+    if is_there.all():
+        return [np.arange(is_there.size)]
+    points = is_there.nonzero()[0]
     return np.split(points, np.flatnonzero(np.diff(points) > 1) + 1)
 
 
@@ -300,15 +300,15 @@ def _up_to_ends(
     """
     for end, place in zip((0, -1), ends, strict=True):
         order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
-        d, left = np.abs(x[order] - x[order][0]), place - x[end] if end else x[end] - place
-        if not 0.0 < left <= _NEAR_END * d[2] or (p[order] <= _SMALLEST_PRESSURE).any():
+        d, length = np.abs(x[order] - x[order][0]), place - x[end] if end else x[end] - place
+        if not 0.0 < length <= _NEAR_END * d[2] or (p[order] <= _SMALLEST_PRESSURE).any():
             continue
         log_p = np.log(p[order])
         first, second = (log_p[1] - log_p[0]) / d[1], (log_p[2] - log_p[0]) / d[2]
         curvature = (second - first) / (d[2] - d[1])
-        outermost = log_p[0] - left * (first - curvature * d[1]) + curvature * left**2
+        outermost = log_p[0] - length * (first - curvature * d[1]) + curvature * length**2
         outermost = min(outermost, log_p.max() + _STEEPEST_RISE)
-        radius = r[order][0] + (r[order][0] - r[order][1]) * left / d[1]
+        radius = r[order][0] + (r[order][0] - r[order][1]) * length / d[1]
         at = 0 if end == 0 else x.size
         x, p, r = (
             np.insert(values, at, value)
@@ -327,8 +327,8 @@ def _edge(x: FloatArray, log_p: FloatArray, zero: float, end: int) -> float:
     parabola = np.polynomial.Polynomial.fit((xs - xs[0]) / span, squares, 2, domain=[-1, 1], window=[-1, 1])
     roots = parabola.roots()
     real = np.sort(roots[np.isreal(roots)].real) if roots.size else roots.real
-    between = real[(real > 1e-3) & (real <= 1.0)]
-    return float(xs[0] + span * between[0]) if between.size else float(zero)
+    inside = real[(real > 1e-3) & (real <= 1.0)]
+    return float(xs[0] + span * inside[0]) if inside.size else float(zero)
 
 
 def law_bends(p: FloatArray, gap: FloatArray) -> tuple[float, float]:
@@ -352,8 +352,8 @@ def _bend(p: FloatArray, gap: FloatArray) -> float:
     if not (p > _SMALLEST_PRESSURE).all() or not 0.0 < closer[1] < closer[2]:
         return 0.0
     first, second = np.log(p[1:] / p[0]) / closer[1:]
-    bent = (first - second) / (closer[2] - closer[1])
-    bend = float(bent / (first + bent * closer[1]) ** 2)
+    curvature = (first - second) / (closer[2] - closer[1])
+    bend = float(curvature / (first + curvature * closer[1]) ** 2)
     return bend if bend > _STRAIGHT else 0.0
 
 
@@ -387,11 +387,11 @@ def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
     # A cubic is monotone where both slopes are between none and three times the chord's (Fritsch & Carlson).
     ends, steepest = h * slopes, 3.0 * rise
     bends = (ends < np.minimum(steepest, 0.0)) | (ends > np.maximum(steepest, 0.0))
-    looked_at = (bends[0] | bends[1]).nonzero()[0]
-    left, right = ends[:, looked_at]
-    value = _hermite(_LOOKED_AT[:, None], left, right, rise[looked_at])
-    above, below = np.maximum(rise[looked_at], 0) + _OVERSHOOT, np.minimum(rise[looked_at], 0) - _OVERSHOOT
-    wild = looked_at[((value > above) | (value < below)).any(axis=0)]
+    cells = (bends[0] | bends[1]).nonzero()[0]
+    left, right = ends[:, cells]
+    value = _hermite(_CHECK_SHARES[:, None], left, right, rise[cells])
+    highest, lowest = np.maximum(rise[cells], 0) + _OVERSHOOT, np.minimum(rise[cells], 0) - _OVERSHOOT
+    wild = cells[((value > highest) | (value < lowest)).any(axis=0)]
     slopes[:, wild] = rise[wild] / h[wild]
     return slopes
 
@@ -420,9 +420,9 @@ def checked_profile(
         raise ProfileError("p is zero everywhere: there is no contact")
     if rs.ndim == 0:
         rs = np.broadcast_to(rs, xs.shape)
-    wrong = ~((rs > 0.0) & np.isfinite(rs))
-    if wrong.any():
-        raise ProfileError(f"radius = {rs[wrong][0]}: must be positive and finite [m]")
+    is_wrong = ~((rs > 0.0) & np.isfinite(rs))
+    if is_wrong.any():
+        raise ProfileError(f"radius = {rs[is_wrong][0]}: must be positive and finite [m]")
     return xs, ps, rs
 
 
@@ -456,7 +456,7 @@ def after_largest(
     if not np.any(most > np.exp(SMALLEST_LOG_PRESSURE)):
         return profile
     inner, outer = (0.0 if tail is None else tail.bend for tail in profile.tails)
-    return profile.after(ContactProfile.through(x, most, r, ends, (inner, outer)), conductivity)
+    return profile.after_load(ContactProfile.through(x, most, r, ends, (inner, outer)), conductivity)
 
 
 def profile_after(
@@ -478,7 +478,9 @@ def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float,
     if ends is None:
         return NO_ENDS
     try:
-        low, high = (far if end is None else float(end) for end, far in zip(ends, NO_ENDS, strict=True))
+        low, high = (
+            endless if end is None else float(end) for end, endless in zip(ends, NO_ENDS, strict=True)
+        )
     except (TypeError, ValueError):
         raise ProfileError(
             f"ends = {ends!r}: must be two places x, or None where a face goes on [m]"

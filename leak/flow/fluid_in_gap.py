@@ -22,7 +22,7 @@ from leak.numerics.curves import cell_cubics, spline_slopes
 from leak.numerics.roots import bisect_roots, root_between, root_of_rising
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
-_CUT = 1e-10
+_TAIL_SHARE = 1e-10
 # Steps of the first solution, which only places the steps of the following ones.
 _FIRST_STEPS, _STEPS = 120, 400
 _FINE_TAIL = 64
@@ -32,7 +32,7 @@ _FINE = 8
 _STAGE = 1.0 - np.sqrt(0.5)
 _ROUGH, _CLOSE, _MOST_LOG_FLOW = 1e-3, 1e-7, 1e3
 # Where p begins with a jump the fluid rises in a thin layer, which each path has in finer steps than the one before.
-_MOST_PATHS, _SETTLED, _THIN = 8, 0.03, 0.03
+_MOST_PATHS, _PATH_TOLERANCE, _FIRST_SHARE = 8, 0.03, 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,12 +119,12 @@ def coupled_leak_flow(
     if pressure_side == "inner":
         # Everything below has its low side at small x.
         low, high = checked_ends(ends)
-        seen = coupled_leak_flow(
+        leak = coupled_leak_flow(
             -xs[::-1], ps[::-1], conductivity, drop, rs[::-1], ends=(-high, -low), pressure_law=pressure_law
         )
-        lift = None if seen.lift_off_x is None else -seen.lift_off_x
-        arrays = seen.fluid_pressure[::-1], seen.contact_pressure[::-1]
-        return CoupledLeakResult(seen.leak_rate, seen.resistance, *arrays, lift, seen.blow_off_pressure)
+        lift = None if leak.lift_off_x is None else -leak.lift_off_x
+        arrays = leak.fluid_pressure[::-1], leak.contact_pressure[::-1]
+        return CoupledLeakResult(leak.leak_rate, leak.resistance, *arrays, lift, leak.blow_off_pressure)
     profile = ContactProfile.through(xs, ps, rs, checked_ends(ends))
     fine, log_p = _fine_profile(profile)
     blow_off = float(np.exp(log_p.max()))
@@ -139,19 +139,19 @@ def coupled_leak_flow(
         return CoupledLeakResult(0.0, float("inf"), fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
     # A step must end at the peak, or p_f could not rise to it.
     peak = float(fine[np.argmax(log_p)])
-    first = np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak)
-    liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
-    path, whole = _Path.over(profile, first, liquid), FlowPotential(pressure_law, drop).whole
-    log_Q = _flow_for(drop, path, curve, path.guess(whole, curve), _ROUGH)
+    first_points = np.union1d(_first_steps(profile, fine, log_p, np.log(_TAIL_SHARE * drop), end), peak)
+    liquid = None if pressure_law is None else _ThickLiquid.of(FlowPotential(pressure_law, blow_off))
+    path, total = _Path.of(profile, first_points, liquid), FlowPotential(pressure_law, drop).whole
+    log_Q = _flow_for(drop, path, curve, path.guess(total, curve), _ROUGH)
     for _ in range(_MOST_PATHS):
-        path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)
-        before, log_Q = log_Q, _flow_for(drop, path, curve, log_Q, _CLOSE)
-        if abs(log_Q - before) < _SETTLED:
+        path = _Path.of(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)
+        last_log_Q, log_Q = log_Q, _flow_for(drop, path, curve, log_Q, _CLOSE)
+        if abs(log_Q - last_log_Q) < _PATH_TOLERANCE:
             break
     else:
         raise ProfileError(
             f"pressure_drop = {drop:.6g} Pa: the flow of a fluid that carries load is not found to "
-            f"{100 * _SETTLED:g} %: it blows the contact all but off, seals it, or makes the liquid solid"
+            f"{100 * _PATH_TOLERANCE:g} %: it blows the contact all but off, seals it, or makes the liquid solid"
         )
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
@@ -172,11 +172,11 @@ class _Path:
     """p at both stages of each step [Pa]."""
     log_lengths: list[tuple[float, float]]
     """ln(_STAGE h/(2 pi r)) at both stages."""
-    liquid: _Thickening | None
+    liquid: _ThickLiquid | None
     """None for a liquid that pressure does not change."""
 
     @classmethod
-    def over(cls, profile: ContactProfile, x: FloatArray, liquid: _Thickening | None) -> _Path:
+    def of(cls, profile: ContactProfile, x: FloatArray, liquid: _ThickLiquid | None) -> _Path:
         """Steps between the points x."""
         h = np.diff(x)
         stages = np.stack([x[:-1] + _STAGE * h, x[1:]], axis=1)
@@ -187,15 +187,15 @@ class _Path:
 
     def fluid_pressure(self, log_Q: float, curve: ResistanceCurve) -> tuple[FloatArray, FloatArray]:
         """p_f and ln(p - p_f) at the ends of the steps for one flow, shape (N + 1,) [Pa]."""
-        potential, left = self.potential(log_Q, curve)
+        potential, log_rest = self.potential(log_Q, curve)
         if self.liquid is not None:
             potential = [self.liquid.pressure.at(y)[0] for y in potential]
-        return np.array(potential), np.array(left)
+        return np.array(potential), np.array(log_rest)
 
     def potential(self, log_Q: float, curve: ResistanceCurve) -> tuple[list[float], list[float]]:
         """psi(p_f) [Pa], which is p_f of a liquid that does not thicken, and ln(p - p_f) at the ends of the steps."""
-        y, guess, liquid = 0.0, curve.lowest, self.liquid
-        out, left = [y], [guess]
+        y, guess, liquid = 0.0, curve.first_node, self.liquid
+        values, log_rest = [y], [guess]
         # The first step is Euler's: of a jump the first stage would give (1 - _STAGE)/_STAGE times the rise.
         weight = 0.0
         for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
@@ -203,17 +203,17 @@ class _Path:
             y += weight * rise
             rise, guess = curve.rise(p2, y, log_Q + length2, guess, liquid)
             y, weight = y + rise, (1.0 - _STAGE) / _STAGE
-            out.append(y)
-            left.append(guess)
-        return out, left
+            values.append(y)
+            log_rest.append(guess)
+        return values, log_rest
 
-    def guess(self, whole: float, curve: ResistanceCurve) -> float:
+    def guess(self, total_potential: float, curve: ResistanceCurve) -> float:
         """Rough ln Q: that of the same contact without coupling, each place as far as it conducts."""
         total = 0.0
         for (_, p), (_, length) in zip(self.pressures, self.log_lengths, strict=True):
             if p > 0.0:
-                total += exp(min(curve.at(min(log(p), curve.highest))[0] + length, 600.0))
-        return log(whole) - log(total)
+                total += exp(min(curve.at(min(log(p), curve.last_node))[0] + length, 600.0))
+        return log(total_potential) - log(total)
 
 
 def _first_steps(
@@ -229,7 +229,7 @@ def _first_steps(
     log_p = np.maximum(profile.log_pressure_anywhere(x), log_cut)
     x, log_p = (values[max(int(np.argmax(log_p > log_cut)) - 1, 0) :] for values in (x, log_p))
     way = np.diff(x) / (x[-1] - x[0]) + np.abs(np.diff(log_p)) / np.abs(np.diff(log_p)).sum().clip(1e-9)
-    return _even(x, way, _FIRST_STEPS)
+    return _divide(x, way, _FIRST_STEPS)
 
 
 def _second_steps(path: _Path, log_Q: float, curve: ResistanceCurve) -> FloatArray:
@@ -237,20 +237,20 @@ def _second_steps(path: _Path, log_Q: float, curve: ResistanceCurve) -> FloatArr
 
     There 1/sigma falls to zero like 1/ln^3(p - p_f), which no evenly spaced rule follows.
     """
-    fluid, left = path.fluid_pressure(log_Q, curve)
-    resistance = np.array([curve.at(v)[0] for v in left])
+    fluid, log_rest = path.fluid_pressure(log_Q, curve)
+    resistance = np.array([curve.at(v)[0] for v in log_rest])
     resistance[0] = resistance[1]
     inverse_gap = np.exp((resistance - resistance.max()) / 3.0)
     to_end = np.cbrt(path.x[-1] - path.x)
     changes = [np.abs(np.diff(values)) for values in (path.x, fluid, inverse_gap, to_end)]
-    return _even(path.x, np.sum([change / max(change.sum(), 1e-300) for change in changes], axis=0), _STEPS)
+    return _divide(path.x, np.sum([change / max(change.sum(), 1e-300) for change in changes], axis=0), _STEPS)
 
 
-def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
+def _divide(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
     """Points between the first and the last x with equal parts of the way between them, and one close to the first."""
     total = np.append(0.0, np.cumsum(way))
     return np.interp(
-        np.insert(np.linspace(0.0, total[-1], count + 1), 1, _THIN * total[-1] / count), total, x
+        np.insert(np.linspace(0.0, total[-1], count + 1), 1, _FIRST_SHARE * total[-1] / count), total, x
     )
 
 
@@ -277,13 +277,13 @@ def _fine_profile(profile: ContactProfile) -> tuple[FloatArray, FloatArray]:
     if np.all(np.isfinite(log_p[k - 1 : k + 2])):
         from scipy.optimize import minimize_scalar
 
-        found = minimize_scalar(
+        peak = minimize_scalar(
             lambda at: -float(profile.log_pressure(np.array([at]))[0]),
             bounds=(x[k - 1], x[k + 1]),
             method="bounded",
         )
-        place = int(np.searchsorted(x, found.x))
-        x, log_p = np.insert(x, place, found.x), np.insert(log_p, place, -found.fun)
+        place = int(np.searchsorted(x, peak.x))
+        x, log_p = np.insert(x, place, peak.x), np.insert(log_p, place, -peak.fun)
     return x, log_p
 
 
@@ -291,19 +291,19 @@ def _lift_off(
     profile: ContactProfile, x: FloatArray, log_p: FloatArray, log_drop: float
 ) -> tuple[float, float | None]:
     """End of the resisting part on the high side, and the lift-off point: None where the profile ends before."""
-    last = int(np.flatnonzero(log_p > log_drop)[-1])
+    last_point = int(np.flatnonzero(log_p > log_drop)[-1])
     tail = profile.tails[-1]
-    if last == x.size - 1:
+    if last_point == x.size - 1:
         if tail is None:
             return float(x[-1]), None
         distance = tail.reach(float(log_p[-1]) - log_drop)
         place = float(x[-1]) + distance
         return place, None if distance == tail.length else place
 
-    def above(at: float) -> float:
+    def excess(at: float) -> float:
         return max(float(profile.log_pressure(np.array([at]))[0]), log_drop - 1.0) - log_drop
 
-    place = root_between(above, x[last], x[last + 1], xtol=1e-15 * abs(x[-1] - x[0]) + 1e-300)
+    place = root_between(excess, x[last_point], x[last_point + 1], xtol=1e-15 * abs(x[-1] - x[0]) + 1e-300)
     return place, place
 
 
@@ -352,7 +352,7 @@ class _Curve:
         return list(map(tuple, cubics.T.tolist()))
 
 
-class _Thickening(NamedTuple):
+class _ThickLiquid(NamedTuple):
     """p_f and psi of each other."""
 
     pressure: _Curve
@@ -361,7 +361,7 @@ class _Thickening(NamedTuple):
     """psi over p_f."""
 
     @classmethod
-    def of(cls, potential: FlowPotential) -> _Thickening:
+    def of(cls, potential: FlowPotential) -> _ThickLiquid:
         p = np.linspace(0.0, potential.highest, _PRESSURES)
         psi, mobility = potential(p), potential.mobility(p)
         return cls(_Curve.through(psi, p, 1.0 / mobility), _Curve.through(p, psi, mobility))
@@ -386,20 +386,20 @@ class ResistanceCurve(_Curve):
                 lambda at: sigma(at) > _NONE, v[first - 1 : first], v[first : first + 1]
             )
             sealing = exp(high)
-        near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
-        v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
+        near_sealing = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
+        v = np.concatenate([v[v < near_sealing[0] - 0.5 * _SPACING], near_sealing])
         values = sigma(v)
         usable = np.isfinite(values) & (values > _NONE)
         v, G = v[usable], -np.log(values[usable])
         return replace(cls.through(v, G, np.maximum(spline_slopes(v, G), 1e-12)), sealing_pressure=sealing)
 
     @property
-    def lowest(self) -> float:
+    def first_node(self) -> float:
         """First node."""
         return self.nodes[0]
 
     @property
-    def highest(self) -> float:
+    def last_node(self) -> float:
         """Last node below the sealing pressure; without one, the curve goes on."""
         return self.nodes[-1] if self.sealing_pressure < inf else inf
 
@@ -412,7 +412,7 @@ class ResistanceCurve(_Curve):
         return self.values[0] - 3.0 * log(stretch), 3.0 * s / stretch
 
     def rise(
-        self, p: float, psi: float, log_flow: float, guess: float, liquid: _Thickening | None = None
+        self, p: float, psi: float, log_flow: float, guess: float, liquid: _ThickLiquid | None = None
     ) -> tuple[float, float]:
         """Rise a/sigma(w) of psi over a step, and ln w, w = p - p_f at its end: the pressure left for the asperities.
 
@@ -433,35 +433,35 @@ class ResistanceCurve(_Curve):
         liquid : _Thickening or None
             None for a liquid that pressure does not change, psi = p_f.
         """
-        before, slope = (psi, 1.0) if liquid is None else liquid.pressure.at(psi)
-        room = p - before
+        p_start, slope = (psi, 1.0) if liquid is None else liquid.pressure.at(psi)
+        room = p - p_start
         if not room > 0.0:
             return 0.0, guess
         target = log(room)
-        top = min(target, self.highest)
+        top = min(target, self.last_node)
         v, low, high = min(guess, top), -inf, top
         for _ in range(_NEWTON_STEPS):
             G, dG = self.at(v)
             rise = exp(min(G + log_flow, 600.0))
             lift, steep = rise * slope, slope
             if liquid is not None:
-                after, steep = liquid.pressure.at(psi + rise)
+                p_end, steep = liquid.pressure.at(psi + rise)
                 # of a small rise the difference of two pressures would be all round-off
-                lift = after - before if rise > 1e-12 * (psi + rise) else lift
-            own = exp(v)
-            excess = log(own + lift) - target
+                lift = p_end - p_start if rise > 1e-12 * (psi + rise) else lift
+            w = exp(v)
+            excess = log(w + lift) - target
             low, high = (v, high) if excess < 0.0 else (low, v)
-            new = min(v - excess * (own + lift) / (own + steep * rise * dG), top)
-            if not low <= new <= high:
-                new = 0.5 * (low + high) if low > -inf else min(v - 1.0, top)
+            next_v = min(v - excess * (w + lift) / (w + steep * rise * dG), top)
+            if not low <= next_v <= high:
+                next_v = 0.5 * (low + high) if low > -inf else min(v - 1.0, top)
             # of the last step, which is tiny, the slope is enough
-            moved, G, v = abs(new - v), G + dG * (new - v), new
-            if moved < _NEWTON_CLOSE:
+            step, G, v = abs(next_v - v), G + dG * (next_v - v), next_v
+            if step < _NEWTON_CLOSE:
                 break
         w = exp(v) if v > -700.0 else 0.0
         rise = exp(min(G + log_flow, 600.0))
         # So little flows that w stays at the last node, next to the sealing pressure; or of two numbers that add up to
         # `room` the smaller one is the accurate one.
-        if v == self.highest < target or rise * slope > w:
+        if v == self.last_node < target or rise * slope > w:
             return (room - w if liquid is None else liquid.potential.at(p - w)[0] - psi), v
         return rise, v

@@ -49,7 +49,7 @@ _TABLE_DECADES = 9.0
 # Of a perfect vacuum: density times conductance of free molecules does not depend on the pressure any more [Pa].
 _VACUUM = 1e-9
 # ln of what counts as a gap times the pressure of the gas where there is none.
-_SHUT = -200.0
+_NO_GAP = -200.0
 
 
 @runtime_checkable
@@ -125,7 +125,7 @@ class LiquidPermeant:
         """Of gaps at ln(p/Pa) of first loading, over the flow pressure: one."""
         return np.ones_like
 
-    def along(
+    def groove_conductance(
         self, section: GrooveSection, pressure: FloatArray, modulus: float, flow_pressure: FloatArray
     ) -> FloatArray:
         """K of a groove times its gain, at contact pressures less what the fluid takes off them [m^4/(Pa s)]."""
@@ -211,7 +211,7 @@ class GasPermeant:
     def gain(self, log_pressure: FloatArray, gap: FloatArray) -> Function:
         """q F/(q + c), F = 12 eta sigma_eff/u_eff^3, over q."""
         with np.errstate(divide="ignore"):
-            log_width = np.maximum(np.log(gap / (self.viscosity * self.gas.molecular_speed)), _SHUT)
+            log_width = np.maximum(np.log(gap / (self.viscosity * self.gas.molecular_speed)), _NO_GAP)
         table = self.conductivity
         log_flow = log_flow_factor if table is None else log_rarefied_flow(table, log_pressure)
 
@@ -222,7 +222,7 @@ class GasPermeant:
 
         return gain
 
-    def along(
+    def groove_conductance(
         self, section: GrooveSection, pressure: FloatArray, modulus: float, flow_pressure: FloatArray
     ) -> FloatArray:
         """K of a groove times its gain [m^4/(Pa s)]."""
@@ -286,10 +286,10 @@ def by_log_pressure(conductivity: SigmaOfPressure | LogConductivity) -> Function
         # In the tails p is tiny: a power law in it may overflow to infinity, which is what it should be.
         with np.errstate(over="ignore", divide="ignore"):
             values = np.broadcast_to(np.asarray(of_pressure(p), dtype=float), p.shape)
-        wrong = usual & ~(values >= 0.0)
-        if np.any(wrong):
+        is_wrong = usual & ~(values >= 0.0)
+        if np.any(is_wrong):
             raise ProfileError(
-                f"conductivity({p[wrong].flat[0]}) = {values[wrong].flat[0]}: must not be negative [m^3/(Pa s)]"
+                f"conductivity({p[is_wrong].flat[0]}) = {values[is_wrong].flat[0]}: must not be negative [m^3/(Pa s)]"
             )
         return np.where(usual, values, np.inf)
 
@@ -303,13 +303,13 @@ def through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
         raise ProfileError(
             f"conductivity has shape {values.shape}: must be a function of p, or {p.shape} like p [m^3/(Pa s)]"
         )
-    wrong = ~(values >= 0.0)
-    if wrong.any():
-        raise ProfileError(f"conductivity = {values[wrong][0]}: must not be negative")
-    there = (p > np.exp(SMALLEST_LOG_PRESSURE)) & np.isfinite(values)
+    is_wrong = ~(values >= 0.0)
+    if is_wrong.any():
+        raise ProfileError(f"conductivity = {values[is_wrong][0]}: must not be negative")
+    is_usable = (p > np.exp(SMALLEST_LOG_PRESSURE)) & np.isfinite(values)
     # Both flanks pass the same pressures, up to round-off.
-    log_p, order = np.unique(np.round(np.log(p[there]), 9), return_index=True)
-    width = np.cbrt(values[there][order])
+    log_p, order = np.unique(np.round(np.log(p[is_usable]), 9), return_index=True)
+    width = np.cbrt(values[is_usable][order])
     if log_p.size < 3:
         raise ProfileError(
             "conductivity: at least 3 different pressures are needed; give a function of p instead"
@@ -320,9 +320,9 @@ def through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
 
 # Eight are usual, with a vacuum ahead of wide gaps thirty.
 _MOST_SWEEPS = 200
-_CONVERGED = 1e-11
+_TOLERANCE = 1e-11
 # So many sweeps before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
-_MIXED = 4
+_HISTORY = 4
 
 
 def leak_rate(
@@ -552,28 +552,28 @@ def flow_through(
         What `permeant.result` takes; the gap only of a gas.
     """
     profile = profile.refined(permeant.cells)
-    asked, weight, begin = profile.quadrature
-    sigma = permeant.sigma(asked)
+    log_p, weight, begin = profile.quadrature
+    sigma = permeant.sigma(log_p)
     # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
     with np.errstate(divide="ignore", over="ignore"):
         resistance = weight / sigma
-        whole = np.add.reduceat(resistance, begin)
-    sealed = math.isinf(whole.sum())
+        stretches = np.add.reduceat(resistance, begin)
+    is_sealed = math.isinf(stretches.sum())
     peak, at_peak = int(np.argmax(p)), 0.0
-    if sealed:
+    if is_sealed:
         # it drops there alone
-        whole = np.isinf(whole).astype(float)
+        stretches = np.isinf(stretches).astype(float)
     elif permeant.sweeps:
         gap = gap_of(permeant, sigma)
         permeant = permeant.at_narrowest(float(gap.min()))
         ends = potential_ends(permeant, pressure_side)
-        whole = _resistance_with_gains(profile, resistance, permeant, permeant.gain(asked, gap), ends)
+        stretches = _resistance_with_gains(profile, resistance, permeant, permeant.gain(log_p, gap), ends)
         at_peak = float(gap_of(permeant, permeant.sigma(profile.log_equivalent(x[peak], np.log(p[peak])))))
     first, last = potential_ends(permeant, pressure_side)
-    before, cells = int(profile.panels[0] is not None), profile.x.size - 1
-    passed = np.cumsum(np.concatenate([[0.0], whole]))
-    share = np.interp(x, profile.x, passed[before : before + cells + 1] / passed[-1])
-    flow = 0.0 if sealed else abs(last - first) * permeant.per_potential / float(whole.sum())
+    offset, cells = int(profile.panels[0] is not None), profile.x.size - 1
+    sums = np.cumsum(np.concatenate([[0.0], stretches]))
+    share = np.interp(x, profile.x, sums[offset : offset + cells + 1] / sums[-1])
+    flow = 0.0 if is_sealed else abs(last - first) * permeant.per_potential / float(stretches.sum())
     return flow, permeant.potential.pressure(first * (1.0 - share) + last * share), peak, at_peak
 
 
@@ -597,34 +597,34 @@ def _resistance_with_gains(
     points = np.diff(np.append(begin, resistance.size))
     low, high = min(ends), max(ends)
 
-    def potentials(values: FloatArray, whole: FloatArray) -> FloatArray:
+    def potentials(values: FloatArray, stretches: FloatArray) -> FloatArray:
         parts = zip(panels, np.split(values, cuts), strict=True)
-        within = np.concatenate(
+        inner = np.concatenate(
             [
-                (part.reshape(one.stretch.shape) @ integrals_up_to_nodes(one.stretch.shape[1]).T).ravel()
-                for one, part in parts
+                (part.reshape(panel.stretch.shape) @ integrals_up_to_nodes(panel.stretch.shape[1]).T).ravel()
+                for panel, part in parts
             ]
         )
         # counted from the end with the lower pressure, so that vacuum stays exact there
         if ends[0] < ends[1]:
-            share = np.repeat(np.cumsum(whole) - whole, points) + within
+            share = np.repeat(np.cumsum(stretches) - stretches, points) + inner
         else:
-            share = np.repeat(np.cumsum(whole[::-1])[::-1], points) - within
-        return low + (high - low) * (np.maximum(share, 0.0) / whole.sum())
+            share = np.repeat(np.cumsum(stretches[::-1])[::-1], points) - inner
+        return low + (high - low) * (np.maximum(share, 0.0) / stretches.sum())
 
     potential = potentials(resistance, np.add.reduceat(resistance, begin))
-    before, found, steps = math.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
+    last_sum, roots, steps = math.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
     for _ in range(_MOST_SWEEPS):
-        now = resistance / gain(permeant.flow_pressure(potential))
-        whole = np.add.reduceat(now, begin)
-        total = float(whole.sum())
-        if abs(total / before - 1.0) < _CONVERGED:
-            return whole
-        before = total
-        root = np.sqrt(potentials(now, whole))
-        found = np.concatenate([found[-_MIXED:], [root]])
-        steps = np.concatenate([steps[-_MIXED:], [root - np.sqrt(potential)]])
-        potential = np.minimum(np.maximum((mixing_weights(steps) @ found) ** 2, low), high)
+        scaled = resistance / gain(permeant.flow_pressure(potential))
+        stretches = np.add.reduceat(scaled, begin)
+        total = float(stretches.sum())
+        if abs(total / last_sum - 1.0) < _TOLERANCE:
+            return stretches
+        last_sum = total
+        root = np.sqrt(potentials(scaled, stretches))
+        roots = np.concatenate([roots[-_HISTORY:], [root]])
+        steps = np.concatenate([steps[-_HISTORY:], [root - np.sqrt(potential)]])
+        potential = np.minimum(np.maximum((mixing_weights(steps) @ roots) ** 2, low), high)
     raise ConductivityError(
         f"conductivity of the gas: its pressure in the contact was not found in {_MOST_SWEEPS} iterations; "
         "a gain that falls no faster than 1/p_f has one"
@@ -676,8 +676,8 @@ def gas_through_bore(radius: float, gas: Gas, high: float, low: float) -> float:
     '1.82 g/s'
     """
     kappa = heat_capacity_ratio(gas.name) or _MONATOMIC
-    choked = (2.0 / (kappa + 1.0)) ** (kappa / (kappa - 1.0))
-    ratio = max(low / high, choked)
+    choked_ratio = (2.0 / (kappa + 1.0)) ** (kappa / (kappa - 1.0))
+    ratio = max(low / high, choked_ratio)
     factor = 1.0 if gas.real is None else float(gas.real.factor(high))
     density = high * gas.molar_mass / (factor * GAS_CONSTANT * gas.temperature)
     expansion = ratio ** (2.0 / kappa) - ratio ** ((kappa + 1.0) / kappa)
@@ -724,7 +724,7 @@ def gas_through_gap(resistance: float, gap: float, gas: Gas, high: float, low: f
     """
     # even in p^2, in which a flow without rarefaction is
     pressure = np.sqrt(np.linspace(low**2, high**2, 64))
-    paths = np.array([gas.mean_free_path(max(one, 1e-6 * high)) for one in pressure])
-    more = np.exp(log_flow_factor(np.log(0.5 * math.sqrt(math.pi) * gap / paths)))
-    driving = np.trapezoid(gas.flow_pressure(pressure) * more, pressure)
-    return float(driving / (gas.viscosity * resistance * STANDARD_PRESSURE))
+    paths = np.array([gas.mean_free_path(max(p, 1e-6 * high)) for p in pressure])
+    gain = np.exp(log_flow_factor(np.log(0.5 * math.sqrt(math.pi) * gap / paths)))
+    integral = np.trapezoid(gas.flow_pressure(pressure) * gain, pressure)
+    return float(integral / (gas.viscosity * resistance * STANDARD_PRESSURE))

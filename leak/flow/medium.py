@@ -28,7 +28,7 @@ from leak.theory.plasticity import RoughnessSeen
 from leak.theory.separation import LostArea, SeparationGrid, density
 
 # ln u_eff^3 may lie this far outside the separations given; what comes as close to the lower end of that is sealed.
-_BELOW_ALL, _SEALED = 60.0, 0.6
+_BELOW_ALL, _SEALED_MARGIN = 60.0, 0.6
 _INNER_STEPS, _OUTER_STEPS = 120, 60
 # Newton's error squares with each step: after a step this small it is some 1e-14.
 _CLOSE, _FIRST_CLOSE, _WORTH = 1e-7, 0.1, 0.1
@@ -159,16 +159,16 @@ class _Medium(NamedTuple):
                 raise ConductivityError(
                     f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]"
                 )
-            turned = None if near is None else DirectionalGap(near.across, near.along)
-            across, along = self.gaps(n, 1.0 / gamma, turned)
+            mirrored = None if near is None else DirectionalGap(near.across, near.along)
+            across, along = self.gaps(n, 1.0 / gamma, mirrored)
             return DirectionalGap(along, across)
         k, log_gamma, contact, shape = n - 1.0, np.log(gamma), self.contact, self.contact.shape
         open_area = self.weight.sum(axis=-1) + self.wide_open
         if np.all(gamma == 1.0):
             guess = self.middle if near is None else 3.0 * np.log(near.along) - self.log_unit
             log_s, _ = self.solve(np.full(shape, k), guess)
-            percolated = open_area <= contact / k
-            same = np.where(percolated | (log_s < self.lowest + _SEALED), 0.0, self.gap(log_s))
+            is_sealed = open_area <= contact / k
+            same = np.where(is_sealed | (log_s < self.lowest + _SEALED_MARGIN), 0.0, self.gap(log_s))
             return DirectionalGap(same, same)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
@@ -190,17 +190,17 @@ class _Medium(NamedTuple):
             excess = log_m - log_gamma - 0.5 * (y - x)
             low, high = np.where(excess < -close, log_m, low), np.where(excess > close, log_m, high)
             newton = log_m - excess / (1.0 + 0.5 * (rise_x + rise_y))
-            following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-            step, log_m = following - log_m, following
+            next_log_m = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+            step, log_m = next_log_m - log_m, next_log_m
             step_x, step_y = rise_x * step, -rise_y * step
             x, y = x + step_x, y + step_y
             largest = float(np.abs([step, step_x, step_y]).max())
             if max(largest, close) <= _CLOSE:
                 break
             close = min(max(_WORTH * largest, _CLOSE), _FIRST_CLOSE)
-        sealed = ~(room > 0.0)
+        is_sealed = ~(room > 0.0)
         return DirectionalGap(
-            *(np.where(sealed | (s < self.lowest + _SEALED), 0.0, self.gap(s)) for s in (x, y))
+            *(np.where(is_sealed | (s < self.lowest + _SEALED_MARGIN), 0.0, self.gap(s)) for s in (x, y))
         )
 
     def solve(self, k: FloatArray, guess: FloatArray, close: float = _CLOSE) -> tuple[FloatArray, FloatArray]:
@@ -212,11 +212,11 @@ class _Medium(NamedTuple):
         """
         low, high, weight, flowing = self.lowest, self.highest, self.weight, self.flowing
         all_weight = weight.sum(axis=-1)
-        most, beyond = k * (all_weight + self.wide_open), k * self.wide_open
-        passing, rest = most - self.contact, np.maximum(all_weight + self.contact - beyond, 1e-300)
-        open_row = passing > 0.0
+        most_open, wide = k * (all_weight + self.wide_open), k * self.wide_open
+        flow_area, block_area = most_open - self.contact, np.maximum(all_weight + self.contact - wide, 1e-300)
+        open_row = flow_area > 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
-            target = np.log(passing / rest)
+            target = np.log(flow_area / block_area)
             guess = np.where(open_row, np.minimum(np.maximum(guess, low), high), low)
             for _ in range(_INNER_STEPS):
                 ks = k * np.exp(guess)
@@ -227,14 +227,14 @@ class _Medium(NamedTuple):
                 excess, slope = np.log(A / B) - target, X * (1.0 / A + 1.0 / B)
                 newton = guess - excess / slope
                 low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
-                following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-                following = np.where(open_row, following, guess)
-                moved = np.abs(following - guess).max()
-                guess = following
-                if moved <= close:
+                next_guess = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+                next_guess = np.where(open_row, next_guess, guess)
+                step = np.abs(next_guess - guess).max()
+                guess = next_guess
+                if step <= close:
                     break
             # the logarithm of A/B rises with ln k as with ln s, the target by this
-            by_log_k = most / passing + beyond / rest
+            by_log_k = most_open / flow_area + wide / block_area
             return guess, np.where(open_row, np.maximum(by_log_k / slope - 1.0, 0.0), 0.0)
 
 
@@ -308,9 +308,9 @@ def effective_medium(
 
 _GRID_POINTS = 256
 # A distribution narrower than this share of its mean falls between the points of a grid even in ln u.
-_NARROW = 0.25
+_NARROW_SHARE = 0.25
 # Lengths of flight are treated so many at a time: arrays stay in the processor's cache.
-_TOGETHER = 8
+_BATCH = 8
 
 
 def effective_gap(
@@ -348,9 +348,9 @@ def effective_gaps(
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
     # about as much is let through as through the gap of the continuum alone, and as much more along as across
     along, across = (np.log(np.maximum(gap, gaps.separation[:, 0])) for gap in continuum)
-    out = np.empty(flight.shape)
-    for start in range(0, flight.shape[1], _TOGETHER):
-        log_flight = np.log(flight[:, start : start + _TOGETHER])
+    result = np.empty(flight.shape)
+    for start in range(0, flight.shape[1], _BATCH):
+        log_flight = np.log(flight[:, start : start + _BATCH])
         rows, lengths = log_flight.shape
 
         def wider(log_gap: FloatArray, log_flight: FloatArray = log_flight) -> FloatArray:
@@ -365,13 +365,13 @@ def effective_gaps(
             gaps.contact.repeat(lengths),
             gaps.wide_open.repeat(lengths),
         )
-        found = medium.gaps(
+        gas_gaps = medium.gaps(
             n,
             aspect.repeat(lengths) if isinstance(aspect, np.ndarray) else aspect,
             DirectionalGap(np.exp(about), np.exp(about + (across - along).repeat(lengths))),
         )
-        out[:, start : start + lengths] = found.along.reshape(rows, lengths)
-    return continuum.along, out
+        result[:, start : start + lengths] = gas_gaps.along.reshape(rows, lengths)
+    return continuum.along, result
 
 
 class _Gaps(NamedTuple):
@@ -385,12 +385,12 @@ class _Gaps(NamedTuple):
 
 def _gaps(lost: LostArea, rms_height: float, refinement: float) -> _Gaps:
     height = _grid_height(lost, rms_height)
-    grid = SeparationGrid.around(lost.mean_separation, height, count=round(_GRID_POINTS * refinement))
+    grid = SeparationGrid.of(lost.mean_separation, height, count=round(_GRID_POINTS * refinement))
     weight = density(lost, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
-    beyond = folded_above(lost, grid.separation[:, -1])
-    contact = np.maximum(1.0 - weight.sum(axis=1) - beyond, 0.0)
-    return _Gaps(grid.separation, weight, contact, beyond)
+    wide_open = folded_above(lost, grid.separation[:, -1])
+    contact = np.maximum(1.0 - weight.sum(axis=1) - wide_open, 0.0)
+    return _Gaps(grid.separation, weight, contact, wide_open)
 
 
 def _grid_height(lost: LostArea, rms_height: float) -> FloatArray:
@@ -402,9 +402,9 @@ def _grid_height(lost: LostArea, rms_height: float) -> FloatArray:
     share = np.maximum(lost.weight.sum(axis=1), 1e-300)
     mean = lost.mean_separation
     second = (lost.weight * (lost.separation**2 + lost.width**2)).sum(axis=1) / share
-    spread = np.sqrt(np.maximum(second - (mean / share) ** 2, 0.0))
-    narrow = (spread > 0.0) & (spread < _NARROW * np.minimum(mean, rms_height))
-    return np.where(narrow, 2.0 * spread, rms_height)
+    std = np.sqrt(np.maximum(second - (mean / share) ** 2, 0.0))
+    is_narrow = (std > 0.0) & (std < _NARROW_SHARE * np.minimum(mean, rms_height))
+    return np.where(is_narrow, 2.0 * std, rms_height)
 
 
 def critical_gap(
@@ -421,10 +421,10 @@ def critical_gap(
     Fischer et al., "Fluid leakage in metallic seals", eq. (12) and the text above it.
     """
     target = relative_pressure**2 / (np.pi * area_argument_at(percolation_threshold) ** 2)
-    whole = moment_of_all(seen, target.size)
-    M = _elastic_moment(seen, np.minimum(target, whole))
-    found = separations(spectrum, seen, relative_pressure, M[:, None], gamma, refinement=2)
-    return np.where(target < whole, found.lost[:, 0], 0.0)
+    total = moment_of_all(seen, target.size)
+    M = _elastic_moment(seen, np.minimum(target, total))
+    junction = separations(spectrum, seen, relative_pressure, M[:, None], gamma, refinement=2)
+    return np.where(target < total, junction.lost[:, 0], 0.0)
 
 
 def area_argument_at(relative_area: float) -> float:
@@ -449,15 +449,15 @@ def folded_above(lost: LostArea, u: FloatArray) -> FloatArray:
     from scipy.special import erfc
 
     scale = np.sqrt(0.5) / lost.width
-    above = 0.5 * (
+    shares = 0.5 * (
         erfc((u[:, None] - lost.separation) * scale) + erfc((u[:, None] + lost.separation) * scale)
     )
-    return (lost.weight * above).sum(axis=1)
+    return (lost.weight * shares).sum(axis=1)
 
 
 # Fitted to half of the direct results: how much more of endless ridges touches where little does. The fit gives an
 # exponent of the aspect of 1 + 1.05 sqrt(A/(A0 a_c)).
-_MORE = 0.35
+_MORE_CONTACT = 0.35
 
 
 def inclusion_aspect(peklenik: float, share: ArrayLike) -> FloatArray:
@@ -497,7 +497,7 @@ def touching_pressure(peklenik: float, share: ArrayLike) -> FloatArray:
     >>> [round(float(factor), 3) for factor in touching_pressure(0.2, [0.0, 0.5, 1.0])]
     [1.156, 1.117, 1.0]
     """
-    return np.asarray(1.0 + _MORE * _stretch(peklenik) * (1.0 - np.clip(share, 0.0, 1.0) ** 2))
+    return np.asarray(1.0 + _MORE_CONTACT * _stretch(peklenik) * (1.0 - np.clip(share, 0.0, 1.0) ** 2))
 
 
 def touching_pressure_at_equal_gap(peklenik: float, share: ArrayLike) -> FloatArray:
@@ -517,7 +517,7 @@ def touching_pressure_at_equal_gap(peklenik: float, share: ArrayLike) -> FloatAr
     [1.0, 1.156, 1.0]
     """
     s = np.clip(share, 0.0, 1.0)
-    return np.asarray(1.0 + 4.0 * _MORE * _stretch(peklenik) * s * (1.0 - s))
+    return np.asarray(1.0 + 4.0 * _MORE_CONTACT * _stretch(peklenik) * s * (1.0 - s))
 
 
 def _stretch(peklenik: float) -> float:
@@ -579,13 +579,13 @@ def argument_at(corrected: float) -> float:
 @lru_cache(maxsize=1)
 def _variance() -> MonotoneCurve:
     """ln(G'/p^2) over ln(G/p^2)."""
-    inside, weight = gauss_panels(_TABLE, 6)
-    cells = (weight * np.exp(inside) / _broadening(inside)).sum(axis=1)
+    nodes, weight = gauss_panels(_TABLE, 6)
+    cells = (weight * np.exp(nodes) / _broaden_variance(nodes)).sum(axis=1)
     G = np.exp(_TABLE[0]) + np.concatenate([[0.0], np.cumsum(cells)])
-    return MonotoneCurve(np.log(G), _TABLE, G * _broadening(_TABLE) * np.exp(-_TABLE))
+    return MonotoneCurve(np.log(G), _TABLE, G * _broaden_variance(_TABLE) * np.exp(-_TABLE))
 
 
-def _broadening(log_variance: FloatArray) -> FloatArray:
+def _broaden_variance(log_variance: FloatArray) -> FloatArray:
     """dG'/dG at ln(G'/p^2)."""
     from scipy.special import erf
 
@@ -620,7 +620,7 @@ def near_threshold(
     open_share = np.maximum(1.0 - corrected / percolation_threshold, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         log_closed = (np.log(_PREFACTOR) + _EXPONENT * np.log(open_share)) / 3.0 + np.log(mean_separation)
-        above = 3.0 * (log_closed - np.log(effective))
-        bounded = np.where(above > 0.0, _MOST_ABOVE * np.tanh(above / _MOST_ABOVE), above)
-        u = effective * np.exp(closed_share(corrected) * bounded / 3.0)
+        log_ratio = 3.0 * (log_closed - np.log(effective))
+        log_limited = np.where(log_ratio > 0.0, _MOST_ABOVE * np.tanh(log_ratio / _MOST_ABOVE), log_ratio)
+        u = effective * np.exp(closed_share(corrected) * log_limited / 3.0)
     return np.where(open_share > 0.0, u, 0.0)

@@ -18,11 +18,11 @@ from leak.errors import ProfileError
 _PLACES, _WEIGHTS = np.array([[0.0], [0.5], [1.0]]), np.array([1.0, 4.0, 1.0]) / 6.0
 _MOST_STEPS = 40
 # Newton's method has arrived when neither flow nor pressures change any more; a step below the last is not taken.
-_CONVERGED, _MOVED, _STILL = 1e-11, 1e-7, 1e-10
+_FLOW_TOLERANCE, _STEP_TOLERANCE, _LEAST_STEP = 1e-11, 1e-7, 1e-10
 # Of the best conductance: less than this is none, but the equations stay solvable.
-_LEAST, _NOTHING = 1e-60, 1e-50
+_LEAST_SHARE, _NO_SHARE = 1e-60, 1e-50
 # From one stage to the next, where a little flow everywhere helps to find the way.
-_LESS, _MOST_LESS = 0.1, 0.98
+_REDUCTION, _MOST_LESS = 0.1, 0.98
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,28 +80,28 @@ def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlo
     network = _Network(tuple(lines))
     low, high = min(first, last), max(first, last)
     open_state = np.full((1, network.length.size), high)
-    most = network.conductance(open_state)[0]
-    held = np.full(network.count, high)
-    held[[lines[0].nodes[0], lines[0].nodes[-1]]] = first, last
-    best = max(float(most.max()), 1e-200)
-    p = network.linear(most + _LEAST * best, held)
-    if not network.connected(most > _NOTHING * best):
+    conductance = network.conductance(open_state)[0]
+    start = np.full(network.count, high)
+    start[[lines[0].nodes[0], lines[0].nodes[-1]]] = first, last
+    best = max(float(conductance.max()), 1e-200)
+    p = network.linear(conductance + _LEAST_SHARE * best, start)
+    if not network.is_connected(conductance > _NO_SHARE * best):
         return NetworkFlow(0.0, np.clip(p, low, high))
-    found, p, flow = network.newton(np.clip(p, low, high), _LEAST * best)
-    if not found:
+    is_found, p, flow = network.newton(np.clip(p, low, high), _LEAST_SHARE * best)
+    if not is_found:
         # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere,
         # and take it away in steps that it can follow.
-        p, share, less = held, 1.0, _LESS
-        while not found and share > _LEAST and less < _MOST_LESS:
-            close, new, _ = network.newton(p, share * less * best)
+        p, share, reduction = start, 1.0, _REDUCTION
+        while not is_found and share > _LEAST_SHARE and reduction < _MOST_LESS:
+            close, new_p, _ = network.newton(p, share * reduction * best)
             if not close:
-                less = less**0.5
+                reduction = reduction**0.5
                 continue
-            p, share, less = new, share * less, max(less**1.5, _LESS)
+            p, share, reduction = new_p, share * reduction, max(reduction**1.5, _REDUCTION)
             if share * best * (high - low) < network.flow(network.conductances(p)[0], p):
-                found, new, flow = network.newton(p, _LEAST * best)
-                p = new if found else p
-    if not found:
+                is_found, new_p, flow = network.newton(p, _LEAST_SHARE * best)
+                p = new_p if is_found else p
+    if not is_found:
         raise ProfileError("the flow along the groove was not found: the groove all but closes")
     return NetworkFlow(flow, p)
 
@@ -153,8 +153,8 @@ class _Network:
             return np.stack([_WEIGHTS @ c, c[0], c[-1]])
         parts = [low + _PLACES * (high - low) for low, high in ((start, kink), (kink, end))]
         c = self.conductance(np.concatenate(parts))
-        before, after = np.split(c, 2)
-        return np.stack([first * (_WEIGHTS @ before) + (1.0 - first) * (_WEIGHTS @ after), c[0], c[-1]])
+        upper, lower = np.split(c, 2)
+        return np.stack([first * (_WEIGHTS @ upper) + (1.0 - first) * (_WEIGHTS @ lower), c[0], c[-1]])
 
     def drops(self, p: FloatArray) -> FloatArray:
         """From tail to head of each slice."""
@@ -162,10 +162,10 @@ class _Network:
 
     def divergence(self, flows: FloatArray) -> FloatArray:
         """What flows out of each node, flows counted from head to tail."""
-        into, out = (np.bincount(ends, flows, self.count) for ends in (self.head, self.tail))
-        return np.asarray(into - out, dtype=float)
+        into, away = (np.bincount(ends, flows, self.count) for ends in (self.head, self.tail))
+        return np.asarray(into - away, dtype=float)
 
-    def connected(self, open_slices: BoolArray) -> bool:
+    def is_connected(self, open_slices: BoolArray) -> bool:
         """Whether some way through open slices leads from end to end."""
         if open_slices.all():
             return True
@@ -189,7 +189,7 @@ class _Network:
         # twice: where slices are 1e18 times as open as others, the first solution leaves 1e-11 of the drop to wide open
         # ones, and that would count in the flow
         for _ in range(2):
-            p = p + self.solved(c, c, -self.divergence(c * self.drops(p)))
+            p = p + self.solve(c, c, -self.divergence(c * self.drops(p)))
         return p
 
     def newton(self, p: FloatArray, least: float) -> tuple[bool, FloatArray, float]:
@@ -200,35 +200,35 @@ class _Network:
         flow = self.flow(c[0] + least, p)
         for _ in range(_MOST_STEPS):
             mean, tail, head = c + least
-            step = self.solved(tail, head, -self.divergence(mean * self.drops(p)))
+            step = self.solve(tail, head, -self.divergence(mean * self.drops(p)))
             new = np.clip(p + step, low, high)
             moved, before = float(np.abs(new - p).max()), flow
-            if moved <= _STILL * (high - low):
+            if moved <= _LEAST_STEP * (high - low):
                 break
             p = new
             c = self.conductances(p)
             flow = self.flow(c[0] + least, p)
-            if moved <= _MOVED * (high - low) and abs(flow - before) <= _CONVERGED * flow:
+            if moved <= _STEP_TOLERANCE * (high - low) and abs(flow - before) <= _FLOW_TOLERANCE * flow:
                 break
         else:
             return False, p, self.flow(c[0], p)
         return True, p, self.flow(c[0], p)
 
-    def solved(self, tail: FloatArray, head: FloatArray, right: FloatArray) -> FloatArray:
-        """Change of the inner pressures whose flows head dp_head - tail dp_tail bring `right` out of each node."""
+    def solve(self, tail: FloatArray, head: FloatArray, rhs: FloatArray) -> FloatArray:
+        """Change of the inner pressures whose flows head dp_head - tail dp_tail bring `rhs` out of each node."""
         from scipy.linalg.lapack import dgbsv
 
-        order, width, kept, place = self._band
-        found = np.zeros(self.count)
+        order, width, is_kept, place = self._band
+        change = np.zeros(self.count)
         if order.size:
-            value = np.concatenate([head, -tail, -head, tail])[kept]
+            value = np.concatenate([head, -tail, -head, tail])[is_kept]
             # LAPACK wants as many rows more as there are diagonals below
             rows = 3 * width + 1
             band = np.bincount(place, value, rows * order.size).reshape(rows, order.size)
-            _, _, found[order], singular = dgbsv(width, width, band, right[order])
+            _, _, change[order], singular = dgbsv(width, width, band, rhs[order])
             if singular:
                 raise ProfileError("the flow along the groove was not found: its way is cut")
-        return found
+        return change
 
     @cached_property
     def _band(self) -> tuple[IntArray, int, BoolArray, IntArray]:
@@ -239,14 +239,14 @@ class _Network:
         number = np.cumsum(self.inner) - 1
         i = np.concatenate([self.head, self.head, self.tail, self.tail])
         j = np.concatenate([self.head, self.tail, self.head, self.tail])
-        kept = self.inner[i] & self.inner[j]
-        i, j, nodes = number[i[kept]], number[j[kept]], np.flatnonzero(self.inner)
+        is_kept = self.inner[i] & self.inner[j]
+        i, j, nodes = number[i[is_kept]], number[j[is_kept]], np.flatnonzero(self.inner)
         if not nodes.size:
-            return nodes, 0, kept, i
+            return nodes, 0, is_kept, i
         if len(self.lines) > 1:
             graph = coo_array((np.ones(i.size), (i, j)), shape=(nodes.size, nodes.size)).tocsr()
             order = np.asarray(reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.intp)
             turn = np.argsort(order)
             i, j, nodes = turn[i], turn[j], nodes[order]
         width = int(np.abs(i - j).max())
-        return nodes, width, kept, (2 * width + i - j) * nodes.size + j
+        return nodes, width, is_kept, (2 * width + i - j) * nodes.size + j

@@ -28,7 +28,7 @@ _GRID_POINTS = 512
 # Pressures at which P(u) is worked out: steps in ln p below the largest one, dense where the seal is tight.
 _STEPS = np.concatenate([np.arange(0.0, 6.0, 0.15), np.arange(6.0, 30.0, 1.0)])
 # Share of the leak that may be lost to particles below all that is counted, without counting them.
-_UNCOUNTED = 0.01
+_SHARE_UNCOUNTED = 0.01
 # Nothing but the last paths is left beyond this share of the sealing pressure.
 _BELOW_SEALING = 0.98
 
@@ -82,7 +82,7 @@ class GapDistribution:
         """
         p = np.atleast_1d(np.asarray(pressure, dtype=float))
         lost = surface.lost_area(p)
-        grid = SeparationGrid.around(lost.mean_separation, surface.spectrum.rms_height, count=_GRID_POINTS)
+        grid = SeparationGrid.of(lost.mean_separation, surface.spectrum.rms_height, count=_GRID_POINTS)
         weight, u = density(lost, grid.separation) * grid.weight, grid.separation
         middle = 0.5 * (u[:, 1:] + u[:, :-1])
         edges = np.concatenate([np.zeros((p.size, 1)), middle, u[:, -1:]], axis=1)
@@ -111,13 +111,13 @@ class GapDistribution:
         """
         if size == 0.0:
             return np.ones(self.pressure.shape)
-        shut = self._shut_shares(size)
-        after = self._medium(self.weight * (1.0 - shut), self.below(size))
+        shares = self._shut_shares(size)
+        gap = self._medium(self.weight * (1.0 - shares), self.below(size))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self._open > 0.0, np.minimum(after / self._open, 1.0) ** 3, 0.0)
+            return np.where(self._open_gap > 0.0, np.minimum(gap / self._open_gap, 1.0) ** 3, 0.0)
 
     @cached_property
-    def _open(self) -> FloatArray:
+    def _open_gap(self) -> FloatArray:
         """u_eff with nothing shut, shape (P,) [m]."""
         return self._medium(self.weight, self.contact)
 
@@ -128,11 +128,11 @@ class GapDistribution:
     @property
     def largest_passing(self) -> FloatArray:
         """Size from which on a particle finds no way through, shape (P,) [m]; zero where nothing flows."""
-        inside = np.cumsum(self.weight, axis=1)
+        sums = np.cumsum(self.weight, axis=1)
         return np.array(
             [
-                np.interp(self.percolation_threshold, closed + np.concatenate([[0.0], row]), at, left=0.0)
-                for closed, row, at in zip(self.contact, inside, self.edges, strict=True)
+                np.interp(self.percolation_threshold, contact + np.concatenate([[0.0], row]), at, left=0.0)
+                for contact, row, at in zip(self.contact, sums, self.edges, strict=True)
             ]
         )
 
@@ -240,7 +240,7 @@ def shut_conductivity(
     if flows.any():
         smooth[~flows] = smooth[flows][-1]
     return ShutConductivityTable(
-        **{one.name: getattr(table, one.name) for one in fields(ConductivityTable)},
+        **{entry.name: getattr(table, entry.name) for entry in fields(ConductivityTable)},
         log_pressure=np.log(gaps.pressure),
         missing=missing,
         remaining=smooth,
@@ -312,12 +312,12 @@ def parallel_paths(circumference: float, length: float, size: float) -> Paths:
     >>> round(fewest), round(most)
     (500, 50000)
     """
-    around = positive(ConductivityError, "circumference", circumference, "m")
+    length_around = positive(ConductivityError, "circumference", circumference, "m")
     counts = (
-        around / positive(ConductivityError, name, one, "m")
-        for name, one in (("length", length), ("size", size))
+        length_around / positive(ConductivityError, name, value, "m")
+        for name, value in (("length", length), ("size", size))
     )
-    fewest, most = sorted(max(one, 1.0) for one in counts)
+    fewest, most = sorted(max(count, 1.0) for count in counts)
     return Paths(fewest, most)
 
 
@@ -351,10 +351,10 @@ def stopped(counts: ParticleCounts, sizes: ArrayLike, remaining: ArrayLike) -> C
     d, share = np.asarray(sizes, dtype=float), np.asarray(remaining, dtype=float)
     fall = -np.diff(np.concatenate([[1.0], share, [0.0]]))
     where = np.concatenate([d[:1], np.sqrt(d[:-1] * d[1:]), d[-1:]])
-    if fall[where < counts.smallest].sum() > _UNCOUNTED:
+    if fall[where < counts.smallest].sum() > _SHARE_UNCOUNTED:
         return Concentration(*(np.array([np.nan]) for _ in range(3)))
     at = counts.at_least(np.maximum(where, counts.smallest))
-    return Concentration(*(np.atleast_1d((one * fall).sum()) for one in at))
+    return Concentration(*(np.atleast_1d((count * fall).sum()) for count in at))
 
 
 @dataclass(frozen=True)

@@ -61,9 +61,9 @@ def poiseuille_flow_rate(inverse_knudsen: ArrayLike) -> FloatArray:
     """
     D = np.maximum(np.asarray(inverse_knudsen, dtype=float), 0.5 * SMALLEST_INVERSE_KNUDSEN)
     low, middle, high = (_fit(D, coefficients) for coefficients in _RANGES)
-    held = _fit(np.float64(SMALLEST_INVERSE_KNUDSEN), _RANGES[0])
+    limit = _fit(np.float64(SMALLEST_INVERSE_KNUDSEN), _RANGES[0])
     begin, first, second = (_rise(np.log(D / meet) / _JOIN) for meet in (SMALLEST_INVERSE_KNUDSEN, *_MEET))
-    return held + begin * (low - held) + first * (middle - low) + second * (high - middle)
+    return limit + begin * (low - limit) + first * (middle - low) + second * (high - middle)
 
 
 def flow_factor(inverse_knudsen: ArrayLike) -> FloatArray:
@@ -86,12 +86,12 @@ def log_flow_factor(log_inverse_knudsen: FloatArray) -> FloatArray:
     # below the table the flow rate is held and the factor goes like 1/D, above it ln f goes to zero like 1/D
     cells = cubics.shape[0]
     t = (log_inverse_knudsen - first) * (1.0 / _TABLE_STEP)
-    inside = np.minimum(np.maximum(t, 0.0), cells)
-    cell = np.minimum(inside, cells - 1.0).astype(np.intp)
-    c, s = cubics.take(cell, axis=0), inside - cell
+    t_in = np.minimum(np.maximum(t, 0.0), cells)
+    cell = np.minimum(t_in, cells - 1.0).astype(np.intp)
+    c, s = cubics.take(cell, axis=0), t_in - cell
     log_f = c[..., 0] + s * (c[..., 1] + s * (c[..., 2] + s * c[..., 3])) - np.minimum(t, 0.0) * _TABLE_STEP
-    beyond = np.maximum(t - cells, 0.0)
-    return np.asarray(log_f * np.exp(-_TABLE_STEP * beyond) if beyond.any() else log_f)
+    t_out = np.maximum(t - cells, 0.0)
+    return np.asarray(log_f * np.exp(-_TABLE_STEP * t_out) if t_out.any() else log_f)
 
 
 def flow_ratio_range(gas: Gas, other: Gas) -> tuple[float, float]:

@@ -168,8 +168,8 @@ class RoughContact:
         """
         if reading is Reading.ELASTIC:
             return self if self.hardness is None else self._never_yielding
-        known = reading in self.readings and reading != self.yielding
-        return replace(self, yielding=str(reading)) if known else self
+        is_known = reading in self.readings and reading != self.yielding
+        return replace(self, yielding=str(reading)) if is_known else self
 
     @cached_property
     def _never_yielding(self) -> RoughContact:
@@ -219,7 +219,7 @@ class RoughContact:
     @property
     def latest_sealing_pressure(self) -> float:
         """The largest `sealing_pressure` of all readings of metal that yields [Pa]."""
-        return max(self.reading(one).sealing_pressure for one in self.readings)
+        return max(self.reading(reading).sealing_pressure for reading in self.readings)
 
     @property
     def smoothed(self) -> bool:
@@ -242,8 +242,8 @@ class RoughContact:
     def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
         """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
         curve, unit = self._equal_gap
-        known = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, _LARGEST_LOG_PRESSURE)
-        return curve.value(known - unit) + unit + (log_pressure - known)
+        in_range = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, _LARGEST_LOG_PRESSURE)
+        return curve.value(in_range - unit) + unit + (log_pressure - in_range)
 
     @cached_property
     def _equal_gap(self) -> tuple[MonotoneCurve, float]:
@@ -264,8 +264,8 @@ class RoughContact:
 
     def _log_elastic(self, log_pressure: FloatArray) -> FloatArray:
         """`_elastic_pressure` as logarithms."""
-        known = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
-        return log_pressure + (np.log(self._elastic_pressure(np.exp(known))) - known)
+        in_range = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
+        return log_pressure + (np.log(self._elastic_pressure(np.exp(in_range))) - in_range)
 
     def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
         """Pressure at which the elastic surface has the gaps of the one that yields where it touches."""
@@ -302,18 +302,18 @@ class RoughContact:
             and for elastic asperities; the largest one from the hardness on.
         """
         p = _checked(pressure)
-        p, most = np.broadcast_arrays(p, np.maximum(p, _checked(largest)))
-        found = np.array(p)
+        p, top = np.broadcast_arrays(p, np.maximum(p, _checked(largest)))
+        result = np.array(p)
         if self.hardness is None:
-            return found
-        flat = (p > 0.0) & (most >= self.hardness)
-        found[flat] = most[flat]
-        harder = (p > 0.0) & (most > p) & ~flat
+            return result
+        flat = (p > 0.0) & (top >= self.hardness)
+        result[flat] = top[flat]
+        harder = (p > 0.0) & (top > p) & ~flat
         if np.any(harder):
-            wanted = self._equivalent(p[harder], most[harder])
-            ends = np.log(p[harder]), np.log(most[harder])
-            found[harder] = np.exp(bisect_roots(lambda x: self._equivalent(np.exp(x)) < wanted, *ends)[1])
-        return found
+            acts = self._equivalent(p[harder], top[harder])
+            ends = np.log(p[harder]), np.log(top[harder])
+            result[harder] = np.exp(bisect_roots(lambda x: self._equivalent(np.exp(x)) < acts, *ends)[1])
+        return result
 
     @cached_property
     def _elastic_pressures(self) -> tuple[float, float]:
@@ -369,7 +369,7 @@ class RoughContact:
         p = _checked(pressure)
         most = math.inf if self.hardness is None else self.hardness * (1.0 - 1e-9)
         acts = self._elastic_pressure(np.minimum(p, most)).ravel()
-        area = self._corrected_area(acts, self._seen(acts)).reshape(p.shape)
+        area = self._corrected_area(acts, self._roughness_at(acts)).reshape(p.shape)
         return _scalar(np.where(p < most, np.where(p > 0.0, area, 0.0), 1.0))
 
     def elastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
@@ -425,8 +425,8 @@ class RoughContact:
         q = np.unique(np.concatenate([fine, self.spectrum.wavenumber]))
         q = np.clip(q, self.spectrum.q_low, self.spectrum.q_high)
         C = np.asarray(self.spectrum(q)) * np.asarray(self.smoothing(float(pressure), q))
-        left = C > 1e-250
-        return PowerSpectrum(q[left], C[left])
+        is_left = C > 1e-250
+        return PowerSpectrum(q[is_left], C[is_left])
 
     # ---------------------------------------------------------------- separations
 
@@ -482,7 +482,7 @@ class RoughContact:
         lost = self.lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
         if separation is None:
             height = self.spectrum.rms_height
-            u = SeparationGrid.around(lost.mean_separation, height, count=1024).separation
+            u = SeparationGrid.of(lost.mean_separation, height, count=1024).separation
         else:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
         order = u[0].argsort()
@@ -500,8 +500,8 @@ class RoughContact:
         refinement : float
             So many times more magnifications.
         """
-        acting = self.equivalent_pressure(pressure)
-        return self._lost_area(acting, self._seen(acting), refinement)
+        equivalent = self.equivalent_pressure(pressure)
+        return self._lost_area(equivalent, self._roughness_at(equivalent), refinement)
 
     def _lost_area(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> LostArea:
         relative = p / self.effective_modulus
@@ -587,8 +587,8 @@ class RoughContact:
         n, height = medium.dimension_number(self.percolation_threshold), self.spectrum.rms_height
         u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
         for part in _parts(np.arange(pressure.size)):
-            acting = self.equivalent_pressure(pressure[part])
-            lost, aspect = self._channels(acting, self._seen(acting), refinement)
+            equivalent = self.equivalent_pressure(pressure[part])
+            lost, aspect = self._channels(equivalent, self._roughness_at(equivalent), refinement)
             u[part], gas = medium.effective_gaps(
                 lost, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
             )
@@ -618,8 +618,8 @@ class RoughContact:
         area = np.asarray(self.corrected_contact_area(p))
         if self.hardness is None:
             return flow_error(relative, area, waves=waves)
-        yielded = 1.0 - p / self._elastic_pressure(p)
-        return flow_error(relative, np.maximum(area, self.contact_area(p)), waves=waves, yielded=yielded)
+        yield_share = 1.0 - p / self._elastic_pressure(p)
+        return flow_error(relative, np.maximum(area, self.contact_area(p)), waves=waves, yielded=yield_share)
 
     @cached_property
     def sealing_pressure(self) -> float:
@@ -647,7 +647,7 @@ class RoughContact:
         if not self.smoothed:
             return self._reaches(elastic, low, high)
 
-        hardness, most = self.hardness, min(high / self.hardness, 1.0 - 1e-12)
+        hardness, top_share = self.hardness, min(high / self.hardness, 1.0 - 1e-12)
         kappa = 0.25 * math.pi * (self.effective_modulus / hardness) ** 2
 
         def excess(log_odds: float) -> float:
@@ -656,18 +656,18 @@ class RoughContact:
             rest = remaining_moment(s, kappa, self.spectrum.last_moment)
             return math.log(s * hardness / (z * self.effective_modulus)) - 0.5 * math.log(math.pi * rest)
 
-        log_odds = math.log(most / (1.0 - most))
+        log_odds = math.log(top_share / (1.0 - top_share))
         ends, start = (log_odds - _SEALING_RANGE, log_odds), min(log_odds, _USUAL_ODDS)
         log_odds = root_of_rising(excess, *ends, start, 1e-8)
         return hardness / (1.0 + math.exp(-log_odds))
 
-    def _reaches(self, acting: float, low: float, high: float) -> float:
-        """Nominal pressure between `low` and `high` whose equivalent one is `acting` [Pa]."""
+    def _reaches(self, target: float, low: float, high: float) -> float:
+        """Nominal pressure between `low` and `high` whose equivalent one is `target` [Pa]."""
         # 64 parts at a time cost as much as one; ten times is down to the last digit
         for _ in range(10):
             ends = np.linspace(low, high, 65)
-            beyond = np.flatnonzero(self.equivalent_pressure(ends[1:-1]) >= acting)
-            part = int(beyond[0]) if len(beyond) else 63
+            places = np.flatnonzero(self.equivalent_pressure(ends[1:-1]) >= target)
+            part = int(places[0]) if len(places) else 63
             low, high = float(ends[part]), float(ends[part + 1])
         return high
 
@@ -691,7 +691,7 @@ class RoughContact:
 
     # ---------------------------------------------------------------- inside
 
-    def _seen(self, p: FloatArray) -> RoughnessSeen:
+    def _roughness_at(self, p: FloatArray) -> RoughnessSeen:
         if self.hardness is None or not self.smoothed:
             return RoughnessSeen(self.spectrum.last_moment)
         return PlasticRoughness.at(
@@ -719,22 +719,22 @@ class RoughContact:
 
         def at(p: FloatArray) -> FloatArray:
             acts = self.equivalent_pressure(p)
-            return function(acts, self._seen(acts))
+            return function(acts, self._roughness_at(acts))
 
-        out = np.full(flat.shape, np.inf)
+        values = np.full(flat.shape, np.inf)
         least = _LEAST_RELATIVE_PRESSURE * self.effective_modulus
         usual, tiny = flat > least, (flat > 0.0) & ~(flat > least)
         if self.hardness is not None:
-            yielded = flat >= self.hardness * (1.0 - 1e-9)
-            out[yielded] = 0.0
-            usual &= ~yielded
+            is_flat = flat >= self.hardness * (1.0 - 1e-9)
+            values[is_flat] = 0.0
+            usual &= ~is_flat
         index = np.flatnonzero(usual)
         for part in _parts(index):
-            out[part] = at(flat[part])
+            values[part] = at(flat[part])
         if np.any(tiny):
-            last, before = at(np.array([least, np.e * least]))
-            out[tiny] = last + (last - before) * np.log(least / flat[tiny])
-        return _scalar(out.reshape(p.shape))
+            at_least, at_higher = at(np.array([least, np.e * least]))
+            values[tiny] = at_least + (at_least - at_higher) * np.log(least / flat[tiny])
+        return _scalar(values.reshape(p.shape))
 
     def _check_method(self, method: str) -> None:
         if method not in flow.METHODS:
@@ -756,10 +756,10 @@ class RoughContact:
         """Area lost and aspect of the inclusions of the effective medium, at acting pressures."""
         if self.peklenik == 1.0:
             return self._lost_area(p, seen, refinement), 1.0
-        touching = relative_contact_area(p, moment_of_all(seen, p.size), self.effective_modulus)
-        share = touching / self.percolation_threshold
-        more = self._touching_pressure(share)
-        return self._lost_area(p * more, seen, refinement), medium.inclusion_aspect(self.peklenik, share)
+        area = relative_contact_area(p, moment_of_all(seen, p.size), self.effective_modulus)
+        share = area / self.percolation_threshold
+        factor = self._touching_pressure(share)
+        return self._lost_area(p * factor, seen, refinement), medium.inclusion_aspect(self.peklenik, share)
 
     def _touching_pressure(self, share: FloatArray) -> FloatArray:
         of_theory = (
@@ -799,8 +799,8 @@ def _parts(index: IntArray) -> list[IntArray]:
 def _equal_gap(shape: PowerSpectrum, gamma: float) -> MonotoneCurve:
     """ln(p/E*) at which the paper's theory has the mean gap of the gap law at ln(p/E*), for elastic asperities."""
     law, paper = gap_law(shape), RoughContact(shape, effective_modulus=1.0, gamma=gamma).interface_law()
-    acting = paper.log_pressure(law.gap_nodes)
-    return MonotoneCurve(law.log_pressure_nodes, acting, law.decay_nodes / paper.decay_length(acting))
+    log_p = paper.log_pressure(law.gap_nodes)
+    return MonotoneCurve(law.log_pressure_nodes, log_p, law.decay_nodes / paper.decay_length(log_p))
 
 
 @lru_cache(maxsize=256)
@@ -826,8 +826,8 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
     log_p = np.log(_USUAL_BEARING * elastic.effective_modulus * elastic.spectrum.rms_slope)
     for _ in range(_NEWTON_STEPS):
         p = np.exp(np.array([log_p]))
-        found = elastic._mean(p, elastic._seen(p))
-        step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
+        separation = elastic._mean(p, elastic._roughness_at(p))
+        step = float((separation.mean[0, 0] - gap) / separation.decay[0, 0])
         log_p += step
         if abs(step) < _CLOSE:
             break
@@ -845,7 +845,7 @@ _SEALING_RANGE, _USUAL_ODDS = 40.0, 0.0
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3
 # Distances below p_min, in ln p, of the points that carry the table on: a few decades, then ever wider.
-_BELOW = 0.5 * 1.5 ** np.arange(13.0, -1.0, -1.0)
+_LOG_STEPS_BELOW = 0.5 * 1.5 ** np.arange(13.0, -1.0, -1.0)
 
 
 def _density(relative: FloatArray) -> FloatArray:
@@ -862,7 +862,7 @@ def _density(relative: FloatArray) -> FloatArray:
 # Where the pressures follow from the error: the first ones, in `_BELOW` and in the range, and how well the cubic
 # through four of them must predict the one in the middle; the spline through all is a hundred times better.
 _FIRST_BELOW, _FIRST_INSIDE = slice(0, None, 3), 9
-_PREDICTED = 1e-4
+_TABLE_ERROR = 1e-4
 _MOST_INTERVALS = 96
 
 
@@ -892,17 +892,17 @@ class _Range:
 
     @classmethod
     def of(cls, surface: RoughContact, p_min: float, p_max: float, method: str) -> _Range:
-        sealing = surface.sealing_pressure_by(method)
+        sealing_pressure = surface.sealing_pressure_by(method)
         # toward the closed law's power of 1 - p/p_seal steps of its logarithm are even
-        closest = _CLOSEST_TO_POWER if method == "threshold-law" else _CLOSEST_TO_SEALING
-        top = min(p_max, (1.0 - closest) * sealing)
+        margin = _CLOSEST_TO_POWER if method == "threshold-law" else _CLOSEST_TO_SEALING
+        top = min(p_max, (1.0 - margin) * sealing_pressure)
         fine = np.linspace(np.log(min(p_min, 1e-3 * top)), np.log(top), 3200)
-        below = fine[0] - _BELOW
+        below = fine[0] - _LOG_STEPS_BELOW
         below = below[below > np.log(1e-60 * surface.effective_modulus)]
-        return cls(sealing, fine, below, method, min(p_max, sealing))
+        return cls(sealing_pressure, fine, below, method, min(p_max, sealing_pressure))
 
     @cached_property
-    def _even(self) -> FloatArray:
+    def _abscissa(self) -> FloatArray:
         return flow.table_abscissa(self.fine, np.log(self.sealing_pressure), self.method)
 
     @property
@@ -910,15 +910,15 @@ class _Range:
         """Both ends of the range [Pa]."""
         return np.exp(self.fine[[0, -1]])
 
-    def spread(self, num: int) -> FloatArray:
+    def spread_pressures(self, num: int) -> FloatArray:
         """`num` pressures as dense as `_density` says, after every second one below [ln(p/Pa)]."""
         density = _density(np.exp(self.fine) / self.sealing_pressure)
-        steps = 0.5 * (density[1:] + density[:-1]) * np.diff(self._even)
-        passed = np.concatenate([[0.0], np.cumsum(steps)])
-        inside = np.interp(np.linspace(0.0, passed[-1], num), passed, self.fine)
-        return np.concatenate([self.below[::-2][::-1], inside])
+        steps = 0.5 * (density[1:] + density[:-1]) * np.diff(self._abscissa)
+        sums = np.concatenate([[0.0], np.cumsum(steps)])
+        in_range = np.interp(np.linspace(0.0, sums[-1], num), sums, self.fine)
+        return np.concatenate([self.below[::-2][::-1], in_range])
 
-    def adapted(
+    def adapt_pressures(
         self, values: Callable[[FloatArray], FloatArray], length: float
     ) -> tuple[FloatArray, FloatArray]:
         """Pressures that follow from the error of u_eff, and the values there.
@@ -935,25 +935,25 @@ class _Range:
         start = np.concatenate(
             [
                 abscissa[: self.below.size][_FIRST_BELOW],
-                np.linspace(self._even[0], self._even[-1], _FIRST_INSIDE),
+                np.linspace(self._abscissa[0], self._abscissa[-1], _FIRST_INSIDE),
             ]
         )
 
-        def smooth(wanted: FloatArray) -> FloatArray:
-            found = values(np.exp(np.interp(wanted, abscissa, x)))
-            return np.column_stack([flow.logarithmic(found[:, 0] / length), found[:, 1:]])
+        def smooth(places: FloatArray) -> FloatArray:
+            rows = values(np.exp(np.interp(places, abscissa, x)))
+            return np.column_stack([flow.logarithmic(rows[:, 0] / length), rows[:, 1:]])
 
-        closest = (self._even[-1] - self._even[0]) / _MOST_INTERVALS
-        found, table = sample_curve(smooth, start, _allowed_error, closest=closest)
+        least_step = (self._abscissa[-1] - self._abscissa[0]) / _MOST_INTERVALS
+        rows, table = sample_curve(smooth, start, _allowed_error, closest=least_step)
         table[:, 0] = length * np.logaddexp(0.0, table[:, 0])
-        return np.exp(np.interp(found, abscissa, x)), table
+        return np.exp(np.interp(rows, abscissa, x)), table
 
 
 def _allowed_error(values: FloatArray) -> FloatArray:
     """Error of `logarithmic`, the first column, that is the same share of u_eff everywhere; any of the others."""
-    allowed = np.full(values.shape, np.inf)
-    allowed[:, 0] = _PREDICTED * np.maximum(1.0, values[:, 0])
-    return allowed
+    error = np.full(values.shape, np.inf)
+    error[:, 0] = _TABLE_ERROR * np.maximum(1.0, values[:, 0])
+    return error
 
 
 def _checked_range(p_min: float, p_max: float, num: int | None) -> tuple[float, float, int | None]:
@@ -970,25 +970,25 @@ def _checked_range(p_min: float, p_max: float, num: int | None) -> tuple[float, 
 def _conductivity_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str, of_gas: bool = False
 ) -> AnyTable:
-    within, equivalent = _Range.of(surface, p_min, p_max, method), surface.equivalent_elastic_surface
+    span, equivalent = _Range.of(surface, p_min, p_max, method), surface.equivalent_elastic_surface
     if equivalent is not None and (surface.theory == "corrected" or num is not None):
         # rounded out where neighbouring contacts may share a table
-        ends = _elastic_ends(surface, within) if num is None else _acting_ends(surface, within)
+        ends = _elastic_ends(surface, span) if num is None else _acting_ends(surface, span)
         return asked_by(surface, _conductivity_table(equivalent, *ends, num, method, of_gas))
     # ln R with u_eff, or afterwards where u_eff is positive
     with_rarefaction = of_gas and (method == "bruggeman" if equivalent is None else num is None)
-    values = _values_of(surface, within, method, with_rarefaction)
+    values = _values_of(surface, span, method, with_rarefaction)
     if num is None:
-        pressure, found = within.adapted(values, 0.5 * surface.spectrum.rms_height)
+        pressure, rows = span.adapt_pressures(values, 0.5 * surface.spectrum.rms_height)
     else:
-        pressure = np.exp(within.spread(num))
-        found = values(pressure)
-    pressure, found = pressure[found[:, 0] > 0.0], found[found[:, 0] > 0.0]
-    table = ConductivityTable(pressure, found[:, 0], within.sealing_pressure, p_max, method)
+        pressure = np.exp(span.spread_pressures(num))
+        rows = values(pressure)
+    pressure, rows = pressure[rows[:, 0] > 0.0], rows[rows[:, 0] > 0.0]
+    table = ConductivityTable(pressure, rows[:, 0], span.sealing_pressure, p_max, method)
     liquid = table.of_surface(surface)
     if not of_gas:
         return liquid
-    log_R = found[:, 1:] if with_rarefaction else _log_rarefaction(surface, pressure, method)
+    log_R = rows[:, 1:] if with_rarefaction else _log_rarefaction(surface, pressure, method)
     if not np.all(np.isfinite(log_R)):
         raise ConductivityError(
             f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
@@ -997,7 +997,7 @@ def _conductivity_table(
 
 
 def _values_of(
-    surface: RoughContact, within: _Range, method: str, of_gas: bool
+    surface: RoughContact, span: _Range, method: str, of_gas: bool
 ) -> Callable[[FloatArray], FloatArray]:
     """u_eff and, of a gas, ln R over pressure, as a table is to be made of them, shape (n, 1 + m)."""
     if surface.equivalent_elastic_surface is None:
@@ -1005,7 +1005,7 @@ def _values_of(
             return lambda p: np.column_stack(surface.rarefied_separation(p, _LOG_D))
         return lambda p: np.asarray(surface.effective_separation(p, method))[:, None]
     elastic = _conductivity_table(
-        surface.equivalent_elastic_surface, *_elastic_ends(surface, within), None, method, of_gas
+        surface.equivalent_elastic_surface, *_elastic_ends(surface, span), None, method, of_gas
     )
 
     def values(p: FloatArray) -> FloatArray:
@@ -1030,16 +1030,16 @@ def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
     return table.with_liquid(table.liquid.of_surface(surface, surface.log_equivalent_pressure))
 
 
-def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
+def _elastic_ends(surface: RoughContact, span: _Range) -> tuple[float, float]:
     """Whole decades around what acts at the ends of a table [Pa]."""
-    low, high = np.log10(_acting_ends(surface, within))
+    low, high = np.log10(_acting_ends(surface, span))
     return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
 
-def _acting_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
+def _acting_ends(surface: RoughContact, span: _Range) -> tuple[float, float]:
     """What acts at the ends of a table [Pa]."""
     # a table up to the sealing pressure goes on where a short contact is still open
-    low, high = surface.equivalent_pressure(np.array([within.ends[0], within.end])).tolist()
+    low, high = surface.equivalent_pressure(np.array([span.ends[0], span.end])).tolist()
     return low, high
 
 
@@ -1063,19 +1063,19 @@ def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
         return _corrected_law(surface)
     steps = _ELASTIC_LAW_STEPS if surface.hardness is None else _LAW_STEPS
     log_p = _toward_hardness(
-        surface, np.log(surface.p_c) + np.concatenate([np.arange(*one) for one in steps])
+        surface, np.log(surface.p_c) + np.concatenate([np.arange(*step) for step in steps])
     )
     p = np.exp(log_p)
     gap, decay = np.zeros(p.shape), np.zeros(p.shape)
     for start in range(0, p.size, 64):
         part = slice(start, start + 64)
-        acting = surface.equivalent_pressure(p[part])
-        found = surface._mean(acting, surface._seen(acting))
-        gap[part], decay[part] = found.mean[:, 0], found.decay[:, 0]
-        if found.mean[-1, 0] <= _LAW_END * decay[0]:
+        equivalent = surface.equivalent_pressure(p[part])
+        separation = surface._mean(equivalent, surface._roughness_at(equivalent))
+        gap[part], decay[part] = separation.mean[:, 0], separation.decay[:, 0]
+        if separation.mean[-1, 0] <= _LAW_END * decay[0]:
             break
-    used = gap > _LAW_END * decay[0]
-    log_p, gap, decay = log_p[used], gap[used], decay[used]
+    is_used = gap > _LAW_END * decay[0]
+    log_p, gap, decay = log_p[is_used], gap[is_used], decay[is_used]
     if surface.hardness is not None:
         decay = -spline_slopes(log_p, np.log(gap)) * gap
     return RoughSurfaceLaw(log_p, gap, decay)
@@ -1089,8 +1089,8 @@ def _corrected_law(surface: RoughContact) -> RoughSurfaceLaw:
         return RoughSurfaceLaw(log_p, law.gap_nodes, law.decay_nodes)
     log_p = _toward_hardness(surface, log_p)
     gap = law.gap(surface._log_elastic(log_p) - log_modulus)
-    used = gap > _LAW_END * surface.spectrum.rms_height
-    log_p, gap = log_p[used], gap[used]
+    is_used = gap > _LAW_END * surface.spectrum.rms_height
+    log_p, gap = log_p[is_used], gap[is_used]
     return RoughSurfaceLaw(log_p, gap, -spline_slopes(log_p, np.log(gap)) * gap)
 
 
@@ -1098,15 +1098,15 @@ def _toward_hardness(surface: RoughContact, log_pressure: FloatArray) -> FloatAr
     """ln p up to the hardness, toward which the gap closes ever faster: equal ratios of what is missing."""
     if surface.hardness is None:
         return log_pressure
-    near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
-    return np.concatenate([log_pressure[log_pressure < near[0] - 0.5 * _LAW_SPACING], near])
+    near_hardness = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
+    return np.concatenate([log_pressure[log_pressure < near_hardness[0] - 0.5 * _LAW_SPACING], near_hardness])
 
 
 def _checked(pressure: ArrayLike) -> FloatArray:
     p = np.asarray(pressure, dtype=float)
-    bad = ~(np.isfinite(p) & (p >= 0.0))
-    if np.any(bad):
-        raise SurfaceError(f"pressure = {p[bad].flat[0]}: must be finite and not negative [Pa]")
+    is_bad = ~(np.isfinite(p) & (p >= 0.0))
+    if np.any(is_bad):
+        raise SurfaceError(f"pressure = {p[is_bad].flat[0]}: must be finite and not negative [Pa]")
     return p
 
 
@@ -1145,9 +1145,9 @@ def gas_conductivity_table(
     >>> len(table.liquid.pressure) >= 8
     True
     """
-    found = _conductivity_table(surface, *_checked_range(p_min, p_max, num), method, of_gas=True)
-    assert isinstance(found, GasConductivityTable)
-    return found
+    table = _conductivity_table(surface, *_checked_range(p_min, p_max, num), method, of_gas=True)
+    assert isinstance(table, GasConductivityTable)
+    return table
 
 
 def _log_rarefaction(surface: RoughContact, pressure: FloatArray, method: str) -> FloatArray:

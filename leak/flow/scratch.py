@@ -368,7 +368,7 @@ def flow_along(
     """
     modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
     grooves = _checked_grooves(scratches)
-    contact, deeper = _Contact.through(profile, permeant).cut(grooves, modulus)
+    contact, deeper = _Contact.through(profile, permeant).split(grooves, modulus)
     peak = int(np.argmax(p))
     if permeant.conductivity is None:
         gap = max(float(groove.section.open_depth(p[peak], modulus)) for groove in grooves)
@@ -377,16 +377,16 @@ def flow_along(
     permeant = permeant.at_narrowest(gap)
     networks = _Networks(contact, permeant, modulus, grooves, deeper)
 
-    def found(*lines: Line) -> LeakResult | GasLeakResult:
+    def flow_of(*lines: Line) -> LeakResult | GasLeakResult:
         flow = network_flow(lines, *potential_ends(permeant, pressure_side))
         potential = np.interp(x, contact.x, flow.potential[contact.nodes])
         return permeant.result(flow.flow, permeant.potential.pressure(potential), peak, gap)
 
-    everywhere = tuple(np.ones_like(one) for one in deeper)
+    everywhere = tuple(np.ones_like(mask) for mask in deeper)
     return LeakBounds(
-        found(networks.main(everywhere)),
-        found(networks.main(tuple(~one for one in everywhere))),
-        lambda: found(networks.main(deeper), *networks.own()),
+        flow_of(networks.main(everywhere)),
+        flow_of(networks.main(tuple(~mask for mask in everywhere))),
+        lambda: flow_of(networks.main(deeper), *networks.separate_lines()),
     )
 
 
@@ -498,21 +498,21 @@ class _Contact:
         if permeant.conductivity is None:
             inner = outer = None
         parts = [part for part in (inner, cells, outer) if part is not None]
-        before = 0 if inner is None else inner.log_pressure.size
+        offset = 0 if inner is None else inner.log_pressure.size
         count, per_cell = cells.log_pressure.shape
         log_p = np.concatenate([part.log_pressure.ravel() for part in parts])
-        seen = np.concatenate([part.log_equivalent.ravel() for part in parts])
+        equivalent = np.concatenate([part.log_equivalent.ravel() for part in parts])
         contact = cls(
             log_p,
-            seen,
+            equivalent,
             np.concatenate([part.radius.ravel() for part in parts]),
             np.concatenate([_lengths(part).ravel() for part in parts]),
-            gap_of(permeant, permeant.sigma(seen)),
+            gap_of(permeant, permeant.sigma(equivalent)),
             profile.x,
-            before + per_cell * np.arange(count + 1),
+            offset + per_cell * np.arange(count + 1),
         )
         # the gap is open where there is no contact
-        return contact.within(
+        return contact.select(
             np.isfinite(contact.gap) & ((contact.gap > 0.0) | (log_p > SMALLEST_LOG_PRESSURE))
         )
 
@@ -521,12 +521,12 @@ class _Contact:
         """p at the slices [Pa]."""
         return np.exp(self.log_pressure)
 
-    def within(self, kept: BoolArray) -> _Contact:
+    def select(self, resists: BoolArray) -> _Contact:
         """Without the slices that resist nothing."""
-        before = np.concatenate([[0], np.cumsum(kept)])
-        return self._of(np.flatnonzero(kept), self.length[kept], before[self.nodes])
+        count = np.concatenate([[0], np.cumsum(resists)])
+        return self._of(np.flatnonzero(resists), self.length[resists], count[self.nodes])
 
-    def cut(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[BoolArray, ...]]:
+    def split(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[BoolArray, ...]]:
         """Slices, and for each groove where it is deeper than the rough gap is wide, shape (n,).
 
         Slices are cut in two where that begins or ends: no bound jumps as a groove becomes deeper.
@@ -536,28 +536,28 @@ class _Contact:
         deeper, places = [], []
         for groove in grooves:
             depth = groove.section.open_depth(self.pressure, modulus)
-            both = depth + self.gap
-            more = np.where(both > 0.0, (depth - self.gap) / np.where(both > 0.0, both, 1.0), -1.0)
-            deep = more > 0.0
-            k = np.flatnonzero(deep[:-1] != deep[1:])
-            share = more[k] / (more[k] - more[k + 1])
-            deeper.append(bool(deep[0]) if deep.size else False)
+            total = depth + self.gap
+            excess = np.where(total > 0.0, (depth - self.gap) / np.where(total > 0.0, total, 1.0), -1.0)
+            is_deep = excess > 0.0
+            k = np.flatnonzero(is_deep[:-1] != is_deep[1:])
+            share = excess[k] / (excess[k] - excess[k + 1])
+            deeper.append(bool(is_deep[0]) if is_deep.size else False)
             places.append(middle[k] + share * (middle[k + 1] - middle[k]))
-        new = np.unique(np.concatenate([edges, *places]))
-        at = 0.5 * (new[:-1] + new[1:])
-        old = np.searchsorted(edges, at) - 1
-        whole = np.bincount(old, minlength=self.length.size)[old] == 1
-        length = np.where(whole, self.length[old], np.diff(new))
+        new_edges = np.unique(np.concatenate([edges, *places]))
+        at = 0.5 * (new_edges[:-1] + new_edges[1:])
+        slice_of = np.searchsorted(edges, at) - 1
+        is_whole = np.bincount(slice_of, minlength=self.length.size)[slice_of] == 1
+        length = np.where(is_whole, self.length[slice_of], np.diff(new_edges))
         # a groove changes sides at each of its places
         masks = tuple(
             (np.searchsorted(place, at) % 2 == 1) != first
             for first, place in zip(deeper, places, strict=True)
         )
-        return self._of(old, length, np.searchsorted(new, edges)[self.nodes]), masks
+        return self._of(slice_of, length, np.searchsorted(new_edges, edges)[self.nodes]), masks
 
-    def _of(self, old: IntArray, length: FloatArray, nodes: IntArray) -> _Contact:
-        log_p, first = self.log_pressure[old], self.log_equivalent[old]
-        return _Contact(log_p, first, self.radius[old], length, self.gap[old], self.x, nodes)
+    def _of(self, slices: IntArray, length: FloatArray, nodes: IntArray) -> _Contact:
+        log_p, first = self.log_pressure[slices], self.log_equivalent[slices]
+        return _Contact(log_p, first, self.radius[slices], length, self.gap[slices], self.x, nodes)
 
 
 def _lengths(part: Panels) -> FloatArray:
@@ -586,11 +586,11 @@ class _Networks:
         rough = 2.0 * np.pi * contact.radius * sigma * fluid.per_potential
         return lambda flow_pressure: rough * gain(flow_pressure)
 
-    def _along(self, n: int, at: slice, fluid: FloatArray, flow_pressure: FloatArray) -> FloatArray:
+    def _mobility_along(self, n: int, at: slice, fluid: FloatArray, flow_pressure: FloatArray) -> FloatArray:
         """Mobility along a groove at fluid pressures and flow pressures (k, n)."""
         groove, permeant = self.grooves[n], self.permeant
-        acting = self.contact.pressure[at] - (fluid - permeant.low)
-        K = permeant.along(groove.section, acting, self.modulus, flow_pressure)
+        contact_pressure = self.contact.pressure[at] - (fluid - permeant.low)
+        K = permeant.groove_conductance(groove.section, contact_pressure, self.modulus, flow_pressure)
         return K * permeant.per_potential / self._paths[n][at]
 
     @cached_property
@@ -601,45 +601,47 @@ class _Networks:
     def _opens(self) -> list[FloatArray]:
         """Potential from which on each groove is open, shape (n,)."""
         low, high = self.permeant.low, self.permeant.high
-        closing = (groove.section.closing_pressure(self.modulus) for groove in self.grooves)
+        pressures = (groove.section.closing_pressure(self.modulus) for groove in self.grooves)
         return [
-            self.permeant.potential(np.clip(low + self.contact.pressure - one, 0.0, high)) for one in closing
+            self.permeant.potential(np.clip(low + self.contact.pressure - p, 0.0, high)) for p in pressures
         ]
 
-    def main(self, apart: tuple[BoolArray, ...]) -> Line:
+    def main(self, masks: tuple[BoolArray, ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
         def mobility(potential: FloatArray) -> FloatArray:
             fluid, q = self.permeant.potential.pressure(potential), self.permeant.flow_pressure(potential)
             total = self._rough(q)
-            for n, own in enumerate(apart):
-                if not own.all():
-                    along = self._along(n, slice(None), fluid, q)
-                    total = total + (np.where(own, 0.0, along) if own.any() else along)
+            for n, mask in enumerate(masks):
+                if not mask.all():
+                    mobility_along = self._mobility_along(n, slice(None), fluid, q)
+                    total = total + (np.where(mask, 0.0, mobility_along) if mask.any() else mobility_along)
             return total
 
         count = self.contact.length.size
-        opens = [np.where(own, np.inf, at) for at, own in zip(self._opens, apart, strict=True)]
+        opens = [np.where(mask, np.inf, at) for at, mask in zip(self._opens, masks, strict=True)]
         first = np.minimum.reduce(opens)
         return Line(
             np.arange(count + 1), self.contact.length, mobility, np.where(np.isinf(first), -np.inf, first)
         )
 
-    def own(self) -> list[Line]:
+    def separate_lines(self) -> list[Line]:
         """The stretches of the grooves that are apart, with nodes of their own between the ends."""
-        lines, following = [], self.contact.length.size + 1
-        for n, (own, opens) in enumerate(zip(self.deeper, self._opens, strict=True)):
-            turns = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
+        lines, next_node = [], self.contact.length.size + 1
+        for n, (mask, opens) in enumerate(zip(self.deeper, self._opens, strict=True)):
+            turns = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
             for begin, end in zip(turns[::2], turns[1::2], strict=True):
-                nodes = np.concatenate([[begin], following + np.arange(end - begin - 1), [end]])
-                following += end - begin - 1
+                nodes = np.concatenate([[begin], next_node + np.arange(end - begin - 1), [end]])
+                next_node += end - begin - 1
                 at = slice(int(begin), int(end))
-                lines.append(Line(nodes, self.contact.length[at], self._within(n, at), opens[at]))
+                lines.append(Line(nodes, self.contact.length[at], self._mobility_within(n, at), opens[at]))
         return lines
 
-    def _within(self, n: int, at: slice) -> Callable[[FloatArray], FloatArray]:
+    def _mobility_within(self, n: int, at: slice) -> Callable[[FloatArray], FloatArray]:
         fluid = self.permeant
-        return lambda psi: self._along(n, at, fluid.potential.pressure(psi), fluid.flow_pressure(psi))
+        return lambda psi: self._mobility_along(
+            n, at, fluid.potential.pressure(psi), fluid.flow_pressure(psi)
+        )
 
 
 def _checked_grooves(scratches: Groove | Sequence[Groove]) -> tuple[Groove, ...]:

@@ -85,35 +85,35 @@ def in_series(
     >>> round(both.lands[0].outer_pressure), f"{both.leak_rate / land(1e5, 0.0).leak_rate:.9f}"
     (100000, '1.000000000')
     """
-    touching = [n for n, one in enumerate(contacts) if one.leak is not None]
-    if not touching:
+    touches = [n for n, contact in enumerate(contacts) if contact.leak is not None]
+    if not touches:
         raise ProfileError("no land touches: the seal is open")
     # chambers that an open land does not part are one, and those beside an end belong to it
-    joined = [_chamber_pressures(given[before:after]) for before, after in pairwise(touching)]
-    for end, part in ((inner, given[: touching[0]]), (outer, given[touching[-1] :])):
+    chambers = [_chamber_pressures(given[p_in:p_out]) for p_in, p_out in pairwise(touches)]
+    for end, part in ((inner, given[: touches[0]]), (outer, given[touches[-1] :])):
         _chamber_pressures([end, *part])
-    found = chamber_pressures([contacts[n].flow for n in touching], inner, outer, joined)
-    pressure = [inner, *found.tolist(), outer]
+    pressures = chamber_pressures([contacts[n].flow for n in touches], inner, outer, chambers)
+    pressure = [inner, *pressures.tolist(), outer]
     outwards, parts, results = [], {}, list[LeakResult]()
-    for n, (before, after) in zip(touching, pairwise(pressure), strict=True):
+    for n, (p_in, p_out) in zip(touches, pairwise(pressure), strict=True):
         leak, flow = contacts[n].leak, 0.0
-        if before != after and leak is not None:
-            results.append(leak(before, after))
+        if p_in != p_out and leak is not None:
+            results.append(leak(p_in, p_out))
             flow, parts[n] = results[-1].leak_rate, results[-1].fluid_pressure
-        outwards.append(math.copysign(flow, before - after))
+        outwards.append(math.copysign(flow, p_in - p_out))
     lands = []
-    for n, one in enumerate(contacts):
-        k = int(np.searchsorted(touching, n))
-        passes = _passing(n, touching, outwards, given)
-        lands.append(LandFlow(pressure[k], pressure[k + (n in touching)], abs(passes)))
-        parts.setdefault(n, np.full(one.points, pressure[k]))
+    for n, contact in enumerate(contacts):
+        k = int(np.searchsorted(touches, n))
+        passes = _flow_outwards(n, touches, outwards, given)
+        lands.append(LandFlow(pressure[k], pressure[k + (n in touches)], abs(passes)))
+        parts.setdefault(n, np.full(contact.points, pressure[k]))
     # what arrives at places without pressure
-    inflow = [-outwards[0], *(before - after for before, after in pairwise(outwards)), outwards[-1]]
+    inflow = [-outwards[0], *(p_in - p_out for p_in, p_out in pairwise(outwards)), outwards[-1]]
     leaves = sum(max(flow, 0.0) for flow, p in zip(inflow, pressure, strict=True) if p == 0.0)
-    largest = max(results, key=lambda one: one.leak_rate).scaled(leaves)
+    most = max(results, key=lambda result: result.leak_rate).scaled(leaves)
     drop = abs(inner - outer)
     return replace(
-        largest,
+        most,
         resistance=drop / leaves if leaves > 0.0 else math.inf,
         fluid_pressure=np.concatenate([parts[n] for n in range(len(contacts))]),
         lands=tuple(lands),
@@ -154,77 +154,75 @@ def chamber_pressures(
     '100000.000000'
     """
     ends = [inner, *given, outer]
-    known = [n for n, one in enumerate(ends) if one is not None]
-    found: list[float] = []
-    for first, last in pairwise(known):
-        found += [
-            *_inner_pressures(flows[first:last], float(ends[first] or 0.0), float(ends[last] or 0.0)),
-            ends[last] or 0.0,
+    places = [n for n, p in enumerate(ends) if p is not None]
+    pressures: list[float] = []
+    for begin, end in pairwise(places):
+        pressures += [
+            *_inner_pressures(flows[begin:end], float(ends[begin] or 0.0), float(ends[end] or 0.0)),
+            ends[end] or 0.0,
         ]
-    return np.array(found[:-1])
+    return np.array(pressures[:-1])
 
 
 def _inner_pressures(flows: Sequence[Flow], first: float, last: float) -> list[float]:
     """Pressures between contacts in series, of which none is given."""
     if len(flows) == 1 or first == last:
         return [first] * (len(flows) - 1)
-    whole = np.array([one(first, last) for one in flows])
-    share = (whole == 0.0).astype(float) if (whole == 0.0).any() else 1.0 / whole
+    total = np.array([flow(first, last) for flow in flows])
+    share = (total == 0.0).astype(float) if (total == 0.0).any() else 1.0 / total
     p = first + (last - first) * np.append(0.0, np.cumsum(share / share.sum()))
-    if (whole == 0.0).any():
-        return [float(one) for one in p[1:-1]]
+    if (total == 0.0).any():
+        return [float(value) for value in p[1:-1]]
     low, high = min(first, last), max(first, last)
     p[-1], step = last, _STEP * (high - low)
     for _ in range(_MOST_STEPS):
-        flow = np.array([one(a, b) for one, (a, b) in zip(flows, pairwise(p.tolist()), strict=True)])
-        missing = flow[:-1] - flow[1:]
-        if np.abs(missing).max() <= _CLOSE * np.abs(flow).max():
+        flow = np.array([f(a, b) for f, (a, b) in zip(flows, pairwise(p.tolist()), strict=True)])
+        imbalance = flow[:-1] - flow[1:]
+        if np.abs(imbalance).max() <= _CLOSE * np.abs(flow).max():
             break
-        slope = np.zeros((len(missing), len(missing)))
-        for n in range(len(missing)):
+        slope = np.zeros((len(imbalance), len(imbalance)))
+        for n in range(len(imbalance)):
             shift = -step if p[n + 1] + step > high else step
             at = float(p[n + 1] + shift)
-            more = np.zeros(len(flow))
-            more[n] = flows[n](float(p[n]), at) - flow[n]
-            more[n + 1] = flows[n + 1](at, float(p[n + 2])) - flow[n + 1]
-            slope[:, n] = (more[:-1] - more[1:]) / shift
-        moved = p[1:-1] - np.linalg.solve(slope, missing)
+            change = np.zeros(len(flow))
+            change[n] = flows[n](float(p[n]), at) - flow[n]
+            change[n + 1] = flows[n + 1](at, float(p[n + 2])) - flow[n + 1]
+            slope[:, n] = (change[:-1] - change[1:]) / shift
+        new = p[1:-1] - np.linalg.solve(slope, imbalance)
         # at most half of the way to an end
-        moved = np.where(
-            moved < low, 0.5 * (low + p[1:-1]), np.where(moved > high, 0.5 * (high + p[1:-1]), moved)
-        )
-        arrived = np.abs(moved - p[1:-1]).max() <= _ROUND_OFF * high
-        p[1:-1] = moved
-        if arrived:
+        new = np.where(new < low, 0.5 * (low + p[1:-1]), np.where(new > high, 0.5 * (high + p[1:-1]), new))
+        is_at_rest = np.abs(new - p[1:-1]).max() <= _ROUND_OFF * high
+        p[1:-1] = new
+        if is_at_rest:
             break
     else:
         raise ProfileError("the pressures in the chambers between the contacts were not found")
-    return [float(one) for one in p[1:-1]]
+    return [float(value) for value in p[1:-1]]
 
 
-def _passing(
-    n: int, touching: Sequence[int], outwards: Sequence[float], given: Sequence[float | None]
+def _flow_outwards(
+    n: int, touches: Sequence[int], outwards: Sequence[float], given: Sequence[float | None]
 ) -> float:
     """Flow outwards through a contact [m^3/s]; through one that is open that of the next ones which touch.
 
     Between two places that are held at one pressure nothing has to flow.
     """
-    k = int(np.searchsorted(touching, n))
-    if n in touching:
+    k = int(np.searchsorted(touches, n))
+    if n in touches:
         return outwards[k]
-    if k > 0 and not any(one is not None for one in given[touching[k - 1] : n]):
+    if k > 0 and not any(p is not None for p in given[touches[k - 1] : n]):
         return outwards[k - 1]
-    if k < len(touching) and not any(one is not None for one in given[n : touching[k]]):
+    if k < len(touches) and not any(p is not None for p in given[n : touches[k]]):
         return outwards[k]
     return 0.0
 
 
 def _chamber_pressures(given: Sequence[float | None]) -> float | None:
     """Pressure of chambers that are open to each other [Pa]; None where it follows from the flow."""
-    held = sorted({one for one in given if one is not None})
-    if len(held) > 1:
+    pressures = sorted({p for p in given if p is not None})
+    if len(pressures) > 1:
         raise ProfileError(
-            f"a land does not touch, so that places held at {held[0]:.6g} Pa and at {held[-1]:.6g} Pa are open to each "
-            "other: press harder, or set the land less far back"
+            f"a land does not touch, so that places held at {pressures[0]:.6g} Pa and at {pressures[-1]:.6g} Pa are "
+            "open to each other: press harder, or set the land less far back"
         )
-    return held[0] if held else None
+    return pressures[0] if pressures else None

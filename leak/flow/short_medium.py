@@ -29,7 +29,7 @@ from leak.numerics.roots import root_of_rising
 from leak.surfaces.spectrum import PowerSpectrum
 
 # n/n_endless - 1 = (_OPEN + _TOUCHING A/A0) N^_EXPONENT
-_OPEN, _TOUCHING, _EXPONENT = 0.25, 1.2, -1.25
+_OPEN_TERM, _CONTACT_TERM, _EXPONENT = 0.25, 1.2, -1.25
 # Where the pressure is below this share of its peak next to nothing of the resistance lies.
 _FAINT = 1e-4
 # Of ln n; the conductivity follows to a few times as much.
@@ -41,7 +41,7 @@ _FEWEST = 0.01
 _CUTS = (0.95, 0.88, 0.78, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 # Steps of ln n between which tables are interpolated; from which share of the sealing pressure on those of the standard
 # spectrum reach, and at so many pressures.
-_SPACING, _LOWEST, _NODES = 0.1, 1e-9, 50
+_SPACING, _LOWEST_SHARE, _NODES = 0.1, 1e-9, 50
 # Pressures of a contact at which its area is calculated: it enters as a mean.
 _AREAS = 16
 
@@ -87,7 +87,7 @@ def short_threshold(waves: float, contact_area: float, endless: float = 0.42) ->
     """
     if not waves > 0.0:
         raise ConductivityError(f"waves = {waves}: must be positive [-]")
-    n = dimension_number(endless) * (1.0 + (_OPEN + _TOUCHING * contact_area) * waves**_EXPONENT)
+    n = dimension_number(endless) * (1.0 + (_OPEN_TERM + _CONTACT_TERM * contact_area) * waves**_EXPONENT)
     return 1.0 - 1.0 / n
 
 
@@ -118,8 +118,8 @@ def short_medium(
     >>> 1.0 < found.waves < 20.0 and 0.42 < found.percolation_threshold < 0.6
     True
     """
-    found, log_n = _Piece.of(surface, table, log_pressure, length).medium()
-    return found(log_n)
+    medium_at, log_n = _Piece.of(surface, table, log_pressure, length).medium()
+    return medium_at(log_n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +131,7 @@ class _Piece:
     surface : RoughContact
     table : ConductivityTable
         Of the endless surface.
-    asked, area, length : ndarray, shape (n,)
+    log_pressure, area, length : ndarray, shape (n,)
         Acting ln(p/Pa) and A/A0 at places along the flow, and the length of which each stands [m].
     at_cuts : ndarray, shape (2, m)
         Acting ln(p/Pa) and A/A0 at `_CUTS`.
@@ -139,7 +139,7 @@ class _Piece:
 
     surface: RoughContact
     table: ConductivityTable
-    asked: FloatArray
+    log_pressure: FloatArray
     area: FloatArray
     length: FloatArray
     at_cuts: FloatArray
@@ -148,52 +148,53 @@ class _Piece:
     def of(
         cls, surface: RoughContact, table: ConductivityTable, log_pressure: FloatArray, length: FloatArray
     ) -> Self:
-        highest = log_pressure.max()
-        touches = log_pressure > highest + math.log(_FAINT)
-        log_p = np.append(log_pressure[touches], highest + np.log(_CUTS))
-        asked, area = table.asked(log_p), _contact_area(surface, log_p)
+        top = log_pressure.max()
+        touches = log_pressure > top + math.log(_FAINT)
+        log_p = np.append(log_pressure[touches], top + np.log(_CUTS))
+        area, log_p = _contact_area(surface, log_p), table.asked(log_p)
         end = -len(_CUTS)
-        at_cuts = np.array([asked[end:], area[end:]])
-        return cls(surface, table, asked[:end], area[:end], length[touches], at_cuts)
+        at_cuts = np.array([log_p[end:], area[end:]])
+        return cls(surface, table, log_p[:end], area[:end], length[touches], at_cuts)
 
     def cut_off(self, number: int) -> Self:
         """The same with its peaks cut off."""
-        asked, area = self.at_cuts[:, number]
-        return replace(self, asked=np.minimum(self.asked, asked), area=np.minimum(self.area, area))
+        log_p, area = self.at_cuts[:, number]
+        log_p = np.minimum(self.log_pressure, log_p)
+        return replace(self, log_pressure=log_p, area=np.minimum(self.area, area))
 
     def medium(self) -> tuple[Callable[[float], ShortMedium], float]:
         """What a medium with ln n makes of it, and the ln n that it asks for itself, see `short_medium`."""
         endless, wave = self.surface.percolation_threshold, self.surface.wavelength_along_flow
 
         @cache
-        def found(log_n: float) -> ShortMedium:
-            opened = self.opened(log_n)
-            gap = opened.at_log_pressure(self.asked)
-            shares = _shares(gap, self.asked - math.log(opened.sealing_pressure))
+        def medium_at(log_n: float) -> ShortMedium:
+            table = self.table_at(log_n)
+            gap = table.at_log_pressure(self.log_pressure)
+            shares = _shares(gap, self.log_pressure - math.log(table.sealing_pressure))
             weight = self.length * shares
             # the width that resists is that of a box where resistance is even
             waves = max(float(weight.sum() ** 2 / (weight @ shares)) / wave, _FEWEST)
-            touching = float(weight @ self.area / weight.sum())
-            return ShortMedium(waves, touching, short_threshold(waves, touching, endless))
+            contact_area = float(weight @ self.area / weight.sum())
+            return ShortMedium(waves, contact_area, short_threshold(waves, contact_area, endless))
 
         # a more open medium resists over a wider piece: the threshold that it asks for falls, and is met once
         low = -math.log1p(-endless)
-        high = -math.log1p(-found(low).percolation_threshold)
+        high = -math.log1p(-medium_at(low).percolation_threshold)
         if high - low < _CLOSE:
-            return found, high
+            return medium_at, high
 
         def excess(log_n: float) -> float:
-            return log_n + math.log1p(-found(log_n).percolation_threshold)
+            return log_n + math.log1p(-medium_at(log_n).percolation_threshold)
 
-        return found, root_of_rising(excess, low, high, high, _CLOSE)
+        return medium_at, root_of_rising(excess, low, high, high, _CLOSE)
 
-    def opened(self, log_n: float) -> ConductivityTable:
+    def table_at(self, log_n: float) -> ConductivityTable:
         """The table in a medium with ln n."""
         return _with_threshold(self.table, self.surface.percolation_threshold, -math.expm1(-log_n))
 
     def resistance(self, log_n: float) -> float:
         """To the flow through it, in a medium with ln n [1/m^2]."""
-        gap = self.opened(log_n).at_log_pressure(self.asked)
+        gap = self.table_at(log_n).at_log_pressure(self.log_pressure)
         with np.errstate(divide="ignore"):
             return float((self.length / (gap * gap * gap)).sum())
 
@@ -208,14 +209,14 @@ class _Piece:
         most, without_peaks = self.resistance(own), own
         _, least = self.cut_off(-1).medium()
         for number in range(len(_CUTS)):
-            cut = self.cut_off(number)
+            piece = self.cut_off(number)
             # no peak left out is the closest medium, in which the less of the peak there is, the less resists
-            if cut.resistance(least) <= most:
+            if piece.resistance(least) <= most:
                 break
-            _, log_n = cut.medium()
-            left = cut.resistance(log_n)
-            if left > most:
-                most, without_peaks = left, log_n
+            _, log_n = piece.medium()
+            cut_resistance = piece.resistance(log_n)
+            if cut_resistance > most:
+                most, without_peaks = cut_resistance, log_n
         if without_peaks == own or most == math.inf:
             return without_peaks
         return root_of_rising(
@@ -296,16 +297,16 @@ def with_threshold(table: ConductivityTable, endless: float, threshold: float) -
     endless, threshold : float
         Thresholds of the table and of the one that is wanted [-].
     """
-    opened, more = _with_threshold(table, endless, threshold), _argument(endless, threshold)
-    return replace(opened, p_max=table.p_max * more, memory=table.memory, acting=table.acting)
+    open_table, ratio = _with_threshold(table, endless, threshold), _argument(endless, threshold)
+    return replace(open_table, p_max=table.p_max * ratio, memory=table.memory, acting=table.acting)
 
 
 def _with_threshold(table: ConductivityTable, endless: float, threshold: float) -> ConductivityTable:
     """`with_threshold` that is asked at acting pressures, without an end."""
     steps = (math.log1p(-endless) - math.log1p(-threshold)) / _SPACING
-    first = math.floor(steps) - 1
-    sealing = table.sealing_pressure * _argument(endless, threshold)
-    return _open_table(table, endless, first).between(lagrange(steps - first), sealing)
+    begin = math.floor(steps) - 1
+    sealing_pressure = table.sealing_pressure * _argument(endless, threshold)
+    return _open_table(table, endless, begin).between(lagrange(steps - begin), sealing_pressure)
 
 
 def _argument(endless: float, threshold: float) -> float:
@@ -314,22 +315,22 @@ def _argument(endless: float, threshold: float) -> float:
 
 
 @lru_cache
-def _open_table(table: ConductivityTable, endless: float, first: int) -> AlikeTables:
+def _open_table(table: ConductivityTable, endless: float, begin: int) -> AlikeTables:
     """The table at four steps of ln n from that of the endless medium."""
-    return AlikeTables.of([_at_step(table, endless, first + step) for step in range(4)])
+    return AlikeTables.of([_at_step(table, endless, begin + step) for step in range(4)])
 
 
 def _at_step(table: ConductivityTable, endless: float, step: int) -> ConductivityTable:
     argument = _argument(endless, _threshold_at(endless, step))
     log_share = np.log(table.pressure / table.sealing_pressure)
-    opened, as_it_was = _standard(endless, step), _standard(endless, 0)
-    closed = as_it_was.at_log_pressure(log_share + math.log(as_it_was.sealing_pressure))
-    gap = opened.at_log_pressure(log_share + math.log(opened.sealing_pressure))
-    flows = (gap > 0.0) & (closed > 0.0)
+    open_table, endless_table = _standard(endless, step), _standard(endless, 0)
+    endless_gap = endless_table.at_log_pressure(log_share + math.log(endless_table.sealing_pressure))
+    gap = open_table.at_log_pressure(log_share + math.log(open_table.sealing_pressure))
+    flows = (gap > 0.0) & (endless_gap > 0.0)
     return replace(
         table,
         pressure=table.pressure[flows] * argument,
-        separation=table.separation[flows] * gap[flows] / closed[flows],
+        separation=table.separation[flows] * gap[flows] / endless_gap[flows],
         sealing_pressure=table.sealing_pressure * argument,
     )
 
@@ -341,7 +342,7 @@ def _standard(endless: float, step: int) -> ConductivityTable:
     threshold = _threshold_at(endless, step)
     surface = RoughContact(spectrum, effective_modulus=1e11, percolation_threshold=threshold)
     sealing = surface.sealing_pressure
-    return surface.conductivity_table(_LOWEST * sealing, sealing, _NODES)
+    return surface.conductivity_table(_LOWEST_SHARE * sealing, sealing, _NODES)
 
 
 def _threshold_at(endless: float, step: int) -> float:
@@ -350,24 +351,24 @@ def _threshold_at(endless: float, step: int) -> float:
 
 def _contact_area(surface: RoughContact, log_pressure: FloatArray) -> FloatArray:
     """Corrected A/A0, whose logarithm is nearly straight over ln p, shape (n,)."""
-    few = np.linspace(log_pressure.min(), log_pressure.max(), _AREAS)
-    return np.exp(np.interp(log_pressure, few, np.log(surface.corrected_contact_area(np.exp(few)))))
+    nodes = np.linspace(log_pressure.min(), log_pressure.max(), _AREAS)
+    return np.exp(np.interp(log_pressure, nodes, np.log(surface.corrected_contact_area(np.exp(nodes)))))
 
 
-def _shares(gap: FloatArray, beyond: FloatArray) -> FloatArray:
+def _shares(gap: FloatArray, log_excess: FloatArray) -> FloatArray:
     """Resistances in units of the largest; where some are infinite, how much of each point's length is sealed.
 
     A point counts in part where the sealed length ends next to it: that length grows with the load without steps.
 
     Parameters
     ----------
-    gap, beyond : ndarray, shape (n,)
+    gap, log_excess : ndarray, shape (n,)
         Gap [m], and ln of pressure over sealing pressure.
     """
     if gap.all():
         resistance = 1.0 / (gap * gap * gap)
         return resistance / resistance.max()
     with np.errstate(divide="ignore", invalid="ignore"):
-        sealed = np.clip(0.5 + np.nan_to_num(beyond / np.abs(np.gradient(beyond))), 0.0, 1.0)
+        shares = np.clip(0.5 + np.nan_to_num(log_excess / np.abs(np.gradient(log_excess))), 0.0, 1.0)
     # next to its sealing pressure the gap rounds to zero
-    return sealed if sealed.any() else (gap == 0.0).astype(float)
+    return shares if shares.any() else (gap == 0.0).astype(float)

@@ -170,14 +170,14 @@ class ParticleCounts:
             NaN below `smallest`.
         """
         d = np.atleast_1d(np.asarray(size, dtype=float))
-        low, high = (np.where(d < self.smallest * (1.0 - 1e-9), np.nan, one) for one in self._all(d))
+        low, high = (np.where(d < self.smallest * (1.0 - 1e-9), np.nan, one) for one in self._bounds(d))
         if np.isfinite(self.largest):
-            beyond = self._all(np.array([self.largest]))
+            beyond = self._bounds(np.array([self.largest]))
             # what the filter takes is as uncertain as what it leaves: the same counts, low or high
             low, high = (np.maximum(one - more, 0.0) for one, more in zip((low, high), beyond, strict=True))
         return Concentration(low, np.sqrt(low * high), high)
 
-    def _all(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _bounds(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Both ends without a filter."""
         x, at = np.log(self.sizes), np.log(d)
         low, high = np.log(self.low), np.log(self.high)

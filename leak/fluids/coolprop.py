@@ -9,7 +9,7 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
-from leak.extras import needed
+from leak.extras import say_missing
 from leak.fluids.properties import Gas, Liquid, PressureTable, RealGas
 from leak.standards import STANDARD_PRESSURE
 
@@ -154,7 +154,7 @@ def _package(name: str) -> Any:
     try:
         from CoolProp import CoolProp
     except ImportError as error:
-        raise FluidError(f"fluid = {name!r}: {needed('coolprop', error)}") from None
+        raise FluidError(f"fluid = {name!r}: {say_missing('coolprop', error)}") from None
     return CoolProp
 
 

@@ -168,7 +168,7 @@ class MonotoneCurve:
         y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
         return y + (below * self.slope[0] + above * self.slope[-1]), slope
 
-    def inside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def value_and_slope(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx at x, none of which lies beyond the ends."""
         k = self.x[1:-1].searchsorted(x, side="right")
         return self._cell(k, x - self.x[k])
@@ -283,7 +283,7 @@ class CubicSurface:
     y: FloatArray
     z: FloatArray
 
-    def along(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    def at(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """z at given x as a function of y."""
         k = self.x[1:-1].searchsorted(x, side="right")
         row, s = k * (self.y.size - 1), x - self.x[k]

@@ -16,7 +16,7 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import ScanError, um
 from leak.numerics.integrals import power_law_moment, slopes
-from leak.surfaces.periodogram import Evidence, Periodogram, evidence, periodogram, pooled
+from leak.surfaces.periodogram import Evidence, Periodogram, evidence, periodogram, pool_scans
 from leak.surfaces.scans import (
     FoundOutliers,
     ScanSettings,
@@ -122,7 +122,7 @@ def _spectrum(
     # int q dq of each piece within the range of each scan
     within = np.mean([np.diff(0.5 * np.clip(edges, one.q_low, one.q_high) ** 2) for one in ranges], axis=0)
     share = VarianceShare(float(held.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * within)
-    log_density, log_error = (one[: count + 1] for one in fit_spectrum(nodes, pooled(seen), share))
+    log_density, log_error = (one[: count + 1] for one in fit_spectrum(nodes, pool_scans(seen), share))
     q, C = nodes[: count + 1], np.exp(log_density)
     log_q, log_C = np.log(q), np.log(C)
     slope = slopes(log_q, log_C)

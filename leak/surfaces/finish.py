@@ -52,7 +52,7 @@ class Spread(NamedTuple):
         found = np.interp(np.asarray(share, dtype=float), [0.0, 0.5, 1.0], ends)
         return np.exp(found) if log else found
 
-    def within(self, low: float, high: float) -> Spread:
+    def clip(self, low: float, high: float) -> Spread:
         """The same, kept between two bounds."""
         return Spread(*(min(max(one, low), high) for one in self))
 
@@ -238,7 +238,7 @@ class Finish:
         """Wavelengths of the roll-off: none longer than what is measured, none that would be too steep."""
         rq = self.value * {"Ra": 1.0 / RA_OVER_RQ, "Rq": 1.0, "Rz": 0.2}[self.parameter]
         longest = self.band.lambda_c if self.q_low is None else 2.0 * math.pi / self.q_low
-        return self.process.rolloff.within(_FLATTEST * rq, math.inf).within(0.0, longest)
+        return self.process.rolloff.clip(_FLATTEST * rq, math.inf).clip(0.0, longest)
 
     def surface(
         self, shares: Mapping[str, float] | None = None, factors: Mapping[str, float] | None = None

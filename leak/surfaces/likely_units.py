@@ -25,7 +25,7 @@ Scan = TypeVar("Scan", bound=LineScan | HeightMap)
 _COMMON = ("m", "mm", "um", "nm")
 
 
-def likely(scan: Scan, units: Sequence[float]) -> Scan:
+def check_likely(scan: Scan, units: Sequence[float]) -> Scan:
     """The scan, if a surface can be so.
 
     Parameters
@@ -44,7 +44,7 @@ def likely(scan: Scan, units: Sequence[float]) -> Scan:
     --------
     >>> import numpy as np, leak
     >>> x = np.arange(200) * 1e-6
-    >>> likely(leak.line_scan(x, 1e-7 * np.sin(1e5 * x)), (1e-6, 1e-6)).spacing
+    >>> check_likely(leak.line_scan(x, 1e-7 * np.sin(1e5 * x)), (1e-6, 1e-6)).spacing
     1e-06
     """
     _check(*_measures(scan), units)
@@ -69,7 +69,7 @@ def check_length(x: FloatArray, h: FloatArray, units: Sequence[float]) -> None:
 
 
 def _check(length: float, height: float, slope: float, units: Sequence[float]) -> None:
-    if wrong := _wrong(length, height, slope):
+    if wrong := _say_unlikely(length, height, slope):
         meant = _likely_units(length, height, slope, units)
         hint = f"; is {meant}?" if meant else "; are its units and columns right?"
         raise ScanError(f"{wrong}, which is no measured surface{hint}")
@@ -83,7 +83,7 @@ def _measures(scan: Topography) -> tuple[float, float, float]:
     return scan.length, float(np.ptp(heights)), max(float(np.sqrt(np.mean(step**2))) for step in steps)
 
 
-def _wrong(length: float, height: float, slope: float) -> str:
+def _say_unlikely(length: float, height: float, slope: float) -> str:
     if length > _LONGEST or length < _SHORTEST:
         return f"is {_text(length)} long"
     if slope > _STEEPEST:
@@ -100,7 +100,7 @@ def _likely_units(length: float, height: float, slope: float, units: Sequence[fl
         x, h = LENGTH_UNITS[in_x] / units[0], LENGTH_UNITS[in_h] / units[1]
         other = [not math.isclose(one, 1.0) for one in (x, h)]
         measures = (x * length, h * height, h / x * slope)
-        if any(other) and not _wrong(*measures):
+        if any(other) and not _say_unlikely(*measures):
             far = sum(
                 math.log10(one / usual) ** 2 for one, usual in zip(measures, _USUAL, strict=True) if one > 0
             )

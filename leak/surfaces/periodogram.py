@@ -141,7 +141,7 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     )
 
 
-def pooled(evidence: Sequence[Evidence]) -> list[Evidence]:
+def pool_scans(evidence: Sequence[Evidence]) -> list[Evidence]:
     """Scans of the same length and spacing as one scan: as likely for every spectrum, but for a constant."""
     found: list[Evidence] = []
     for one in evidence:
@@ -223,10 +223,10 @@ def abel_weights(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:
 
     C_1D(q) = 2 int_q^inf C(k) k dk / sqrt(k^2 - q^2), exact for a C that is constant between `edges`.
     """
-    return 2.0 * np.diff(beyond(wavenumber, edges), axis=1)
+    return 2.0 * np.diff(edge_distance(wavenumber, edges), axis=1)
 
 
-def beyond(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:
+def edge_distance(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:
     """sqrt(edge^2 - q^2) of each edge beyond q, otherwise 0, shape (len(wavenumber), len(edges)) [1/m]."""
     reach = edges[None, :] ** 2 - wavenumber[:, None] ** 2
     np.maximum(reach, 0.0, out=reach)

@@ -270,18 +270,18 @@ def roughness_parameters(
     if not scans:
         raise ScanError("no scan: give at least one")
     if band is not None:
-        return _across(scans, band)
+        return _parameters_across(scans, band)
     # each pass may ask for a longer cutoff; a scan too short for it ends the search
-    found = _across(scans, implied_filter("Ra", 1e-9))
+    found = _parameters_across(scans, implied_filter("Ra", 1e-9))
     for _ in range(5):
         wanted = implied_filter("Ra", max(found.Ra, 1e-12))
         if wanted.lambda_c <= found.filter.lambda_c:
             break
-        found = _across(scans, wanted)
+        found = _parameters_across(scans, wanted)
     return found
 
 
-def _across(scans: Sequence[Topography], band: ProfileFilter) -> RoughnessParameters:
+def _parameters_across(scans: Sequence[Topography], band: ProfileFilter) -> RoughnessParameters:
     """Profiles of each direction on their own; the direction with the larger Ra crosses the lay."""
     directions = [list(_profiles(scans, axis)) for axis in (0, 1)]
     found = [_mean([_evaluate(h, step, band) for h, step in lines]) for lines in directions if lines]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ScanError, positive
 from leak.numerics.curves import divide_stretches
-from leak.surfaces.periodogram import beyond
+from leak.surfaces.periodogram import edge_distance
 from leak.surfaces.spectrum import PowerSpectrum
 
 # Pieces of constant C, this long in ln q, stand for a power law; C_1D is good to 2e-4 for C ~ q^-4.
@@ -56,7 +56,7 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
     def of(part: FloatArray) -> FloatArray:
         # edges below all of q add nothing
         first = np.searchsorted(edges, part.min(initial=np.inf))
-        return beyond(part, edges[first:]) @ falls[first:]
+        return edge_distance(part, edges[first:]) @ falls[first:]
 
     found = np.concatenate([of(part) for part in np.array_split(q.ravel(), q.size // 2000 + 1)])
     return float(found[0]) if np.ndim(wavenumber) == 0 else found.reshape(q.shape)

@@ -13,10 +13,10 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import ScanError, TableError
-from leak.extras import needed
-from leak.surfaces.likely_units import LENGTH_UNITS, check_length, likely
+from leak.extras import say_missing
+from leak.surfaces.likely_units import LENGTH_UNITS, check_length, check_likely
 from leak.surfaces.scans import LineScan, Topography, height_map, line_scan
-from leak.text_tables import TextTable, decoded, only_table, read_tables
+from leak.text_tables import TextTable, decode, only_table, read_tables
 
 _NO_SIZE = "does not state how long and wide the measured area is; export it in a format that does"
 
@@ -89,7 +89,7 @@ def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> T
     try:
         from SurfaceTopography.IO import open_topography
     except ImportError as error:
-        raise ScanError(f"{why_not_text}; reading it otherwise {needed('surfaces', error)}") from None
+        raise ScanError(f"{why_not_text}; reading it otherwise {say_missing('surfaces', error)}") from None
     # the readers are others' code for dozens of binary formats, and a damaged file makes them raise anything
     try:
         with warnings.catch_warnings():
@@ -117,9 +117,9 @@ def _convert_units(
     if stated is not None and size is None:
         raise ScanError(f"its unit, {stated!r}, is not a length")
     in_x, in_h = (
-        agreed(column, size, one) for column, one in zip(("x", "height"), two_units(unit), strict=True)
+        agree_unit(column, size, one) for column, one in zip(("x", "height"), two_units(unit), strict=True)
     )
-    return likely(_in_metres(topography, in_x, in_h, name), (in_x, in_h))
+    return check_likely(_in_metres(topography, in_x, in_h, name), (in_x, in_h))
 
 
 def _in_metres(topography: Any, in_x: float, in_h: float, name: str) -> Topography:
@@ -186,7 +186,7 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
         Empty, a line that is not like the others, NaN, no unit, or what `line_scan` refuses.
     """
     try:
-        tables = read_tables(decoded(path.read_bytes()))
+        tables = read_tables(decode(path.read_bytes()))
     except TableError as error:
         raise NotColumnsError(str(error)) from None
     table = tables[0]
@@ -210,14 +210,14 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
             "has numbers of points in place of x: it does not state how far apart the points are; give both columns"
         )
     units = [
-        agreed(name, _stated_unit(table, column), given)
+        agree_unit(name, _stated_unit(table, column), given)
         for column, name, given in zip(places, ("x", "height"), two_units(unit), strict=True)
     ]
     flag = _flag(table)
     valid = np.ones(len(table.values), dtype=bool) if flag is None else table.values[:, flag] != 0.0
     x, h = (size * table.values[valid, column] for column, size in zip(places, units, strict=True))
     check_length(x, h, units)
-    return likely(line_scan(x, h, name=path.name, tip_radius=_stated_tip_radius(table)), units)
+    return check_likely(line_scan(x, h, name=path.name, tip_radius=_stated_tip_radius(table)), units)
 
 
 def _places(table: TextTable) -> list[int]:
@@ -281,7 +281,7 @@ def two_units(unit: Unit | None) -> tuple[float | None, float | None]:
     return length_unit(both[0]), length_unit(both[1])
 
 
-def agreed(column: str, stated: float | None, given: float | None) -> float:
+def agree_unit(column: str, stated: float | None, given: float | None) -> float:
     """Unit of a column from what the file states and what the user gives; neither is overruled, none is guessed."""
     if stated is None and given is None:
         raise ScanError(

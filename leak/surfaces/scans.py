@@ -158,7 +158,7 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     >>> len(scan.heights), scan.tip_radius
     (200, 2e-06)
     """
-    x, h = _checked(x, h)
+    x, h = _check_scan(x, h)
     n, length = x.size, float(x[-1] - x[0])
     steps = np.diff(x)
     if steps.min() < _CLOSE * length:
@@ -235,7 +235,7 @@ def height_map(
         )
     remarks: tuple[str, ...] = ()
     if share > 0.0:
-        h = filled(h, missing)
+        h = fill_missing(h, missing)
         remarks = (
             f"{int(missing.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",
         )
@@ -243,7 +243,7 @@ def height_map(
     return HeightMap(h, (float(spacing[0]), float(spacing[1])), tip_radius, name, remarks)
 
 
-def _checked(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _check_scan(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
     x, h = map(np.array, as_arrays(ScanError, "x and h must be arrays of numbers", x, h))
     if x.ndim != 1 or x.shape != h.shape:
         raise ScanError(f"x has shape {x.shape}, h {h.shape}: both need one dimension and the same length")
@@ -277,17 +277,17 @@ def _is_even(x: FloatArray, spacing: float) -> bool:
     i = np.arange(n) - 0.5 * (n - 1)
     slope = float(i @ x / (i @ i))
     off = float(np.abs(x - x.mean() - slope * i).max())
-    return off <= _EVEN * spacing or off <= 0.6 * _rounding(x, 0.9 * spacing)
+    return off <= _EVEN * spacing or off <= 0.6 * _find_rounding(x, 0.9 * spacing)
 
 
-def _rounding(x: FloatArray, below: float) -> float:
+def _find_rounding(x: FloatArray, below: float) -> float:
     """Largest power of ten, up to `below`, of which all positions are multiples: the last digit they were given in."""
     first = int(np.floor(np.log10(below)))
     digits = [10.0**exponent for exponent in range(first, first - 4, -1)]
     return next((one for one in digits if np.all(np.abs(x / one - np.round(x / one)) < 1e-6)), 0.0)
 
 
-def filled(h: FloatArray, missing: BoolArray) -> FloatArray:
+def fill_missing(h: FloatArray, missing: BoolArray) -> FloatArray:
     """Heights with those missing replaced by the nearest one, shape (nx, ny) [m]."""
     from scipy.ndimage import distance_transform_edt
 
@@ -379,7 +379,7 @@ def without_outliers(scan: Topography, found: FoundOutliers) -> Topography:
         x = np.arange(scan.heights.size)
         heights = np.interp(x, x[~replaced], scan.heights[~replaced])
     else:
-        heights = filled(scan.heights, replaced)
+        heights = fill_missing(scan.heights, replaced)
     return replace(scan, heights=heights)
 
 

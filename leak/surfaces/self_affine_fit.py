@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from leak.arrays import BoolArray, FloatArray
-from leak.surfaces.periodogram import Evidence, pooled
+from leak.surfaces.periodogram import Evidence, pool_scans
 
 CONFIDENCE = 0.9
 """Share of scans whose interval contains the truth."""
@@ -123,7 +123,7 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane,
     J. Am. Stat. Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
     """
-    seen = pooled([_trusted_bins(one, _TRUSTED * nodes[-1]) for one in evidence])
+    seen = pool_scans([_trusted_bins(one, _TRUSTED * nodes[-1]) for one in evidence])
     lines = _Lines.through(np.log(nodes), seen)
     waves = _scatter_of_waves(evidence)
     if lines is None:

@@ -388,12 +388,12 @@ class PowerSpectrum:
         step = np.abs(self._log_C[right] - self._log_C[left + 1])
         any_kink = (bend > _KINK) | (step > _STEP)
         strong = (bend > _STRONG_KINK) | (step > _STRONG_STEP)
-        kinks = self._spread(right[any_kink], right[strong])
+        kinks = self._spread_kinks(right[any_kink], right[strong])
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
         breaks = sorted_unique(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
 
-    def _spread(self, kinks: IntArray, strong: IntArray) -> IntArray:
+    def _spread_kinks(self, kinks: IntArray, strong: IntArray) -> IntArray:
         """So many kinks as are allowed, in even steps of what changes with magnification: q, M and its rest."""
         if kinks.size <= _MOST_BREAKS:
             return kinks

@@ -398,7 +398,7 @@ class RoughSurfaceLaw:
         """u at ln(p/Pa) [m]."""
         x = np.asarray(log_pressure, dtype=float)
         if self._all_inside(x):
-            return np.exp(self._curve.inside(x)[0])
+            return np.exp(self._curve.value_and_slope(x)[0])
         below, above = self._distance_outside(x)
         inside = np.exp(self._curve.value(x - below - above))
         return inside / (1.0 + self._last_rate * above) - self.decay_nodes[0] * below
@@ -407,7 +407,7 @@ class RoughSurfaceLaw:
         """-du/dlnp at ln(p/Pa) [m]."""
         x = np.asarray(log_pressure, dtype=float)
         if self._all_inside(x):
-            log_gap, slope = self._curve.inside(x)
+            log_gap, slope = self._curve.value_and_slope(x)
             return -slope * np.exp(log_gap)
         below, above = self._distance_outside(x)
         log_gap, slope = self._curve.value_and_derivative(x - below - above)

@@ -95,7 +95,7 @@ class FlowError:
             return np.asarray(ndtr((np.log(factor) - self.bias) / self.spread))
 
 
-def closing(contact_area: ArrayLike) -> FloatArray:
+def closing_ratio(contact_area: ArrayLike) -> FloatArray:
     """X = A/(A_c - A), as far as there are direct simulations."""
     share = np.clip(np.asarray(contact_area, dtype=float) / _THRESHOLD, 0.0, _CLOSEST)
     return np.asarray(share / (1.0 - share))
@@ -132,7 +132,7 @@ def flow_error(
         raise ConductivityError(f"contact_area = {contact_area!r}: must lie between 0 and 1 [-]")
     if not waves > 0.0:
         raise ConductivityError(f"waves = {waves}: must be positive [-]")
-    X = closing(area)
+    X = closing_ratio(area)
     sample = (LONG_WAVES**2 + SUMMITS**2 / np.sqrt(p) + (CHANNELS * X) ** 2) / waves
     metal = (YIELDING_SPREAD * np.asarray(yielded, dtype=float)) ** 2
     bias = OPEN_BIAS + CLOSING_BIAS * X

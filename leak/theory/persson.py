@@ -228,7 +228,7 @@ def separations(
     log_v, weight, piece = _steps(spectrum, parts, M, log_a, refinement)
     v2 = np.exp(2.0 * log_v)
     log_q, log_C = _point(spectrum, piece, M[..., None] + v2)
-    above = seen.above(M[..., None])
+    above = seen.moments_above(M[..., None])
     y2, factor = above(v2)
     elastic = y2 is v2
     log_y = log_v if elastic else 0.5 * np.log(np.maximum(y2, _NOTHING))

@@ -272,7 +272,7 @@ class RoughnessSeen:
         """Fraction of C that remains at the elastic moment M [-]."""
         return np.ones_like(M)
 
-    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    def moments_above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
         return lambda rise: (rise, np.ones(rise.shape[-1:]))
 
@@ -325,25 +325,25 @@ class PlasticRoughness(RoughnessSeen):
         """Slope moment of C_pl up to the elastic moment M, shape (P, ...) [-]."""
         t = self.kappa * M
         start = _lead(self.start_t, M.ndim)
-        rest, _ = self._rest(np.maximum(t, start))
+        rest, _ = self._remainder(np.maximum(t, start))
         whole = start + _lead(self.rest[0].reshape(self.start_t.size, -1)[:, 0], M.ndim)
         return np.where(t <= start, M, (whole - rest) / self.kappa)
 
     def factor(self, M: FloatArray) -> FloatArray:
         """C_pl/C at the elastic moment M, shape (P, ...) [-]."""
         t = self.kappa * M
-        _, factor = self._rest(np.maximum(t, _lead(self.start_t, M.ndim)))
+        _, factor = self._remainder(np.maximum(t, _lead(self.start_t, M.ndim)))
         return factor
 
-    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    def moments_above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """Function of a rise: moment of C_pl between M and M + rise, and C_pl/C at M + rise."""
         start = _lead(self.start_t, M.ndim)
         t0 = self.kappa * M
-        rest0 = self._rest(np.maximum(t0, start))[0] + np.maximum(start - t0, 0.0)
+        rest0 = self._remainder(np.maximum(t0, start))[0] + np.maximum(start - t0, 0.0)
 
         def moment_and_factor(rise: FloatArray) -> tuple[FloatArray, FloatArray]:
             t1 = (M + rise) * self.kappa
-            rest1, factor = self._rest(np.maximum(t1, start))
+            rest1, factor = self._remainder(np.maximum(t1, start))
             return np.where(t1 <= start, rise, (rest0 - rest1) * (1.0 / self.kappa)), factor
 
         return moment_and_factor
@@ -357,7 +357,7 @@ class PlasticRoughness(RoughnessSeen):
             self, start_t=self.start_t[pressures], step_log_t=self.step_log_t[pressures], rest=rest
         )
 
-    def _rest(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _remainder(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """R and C_pl/C at t, not below the start of the table."""
         cells = _TABLE_NODES - 1
         h = _lead(self.step_log_t, t.ndim)

@@ -300,7 +300,7 @@ class SeparationGrid:
     """Trapezoidal weight of int du [m]."""
 
     @classmethod
-    def around(cls, mean: FloatArray, rms_height: float | FloatArray, *, count: int) -> SeparationGrid:
+    def of(cls, mean: FloatArray, rms_height: float | FloatArray, *, count: int) -> SeparationGrid:
         """Grid that covers distributions of mean separation `mean`, shape (P,), on a roughness of `rms_height` [m].
 
         Mass outside counts as contact below and as wide open above. Below mean - 14 h there is

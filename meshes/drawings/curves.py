@@ -15,7 +15,7 @@ import numpy as np
 from meshes.arrays import FloatArray
 from meshes.drawings.profile import section_columns
 from meshes.errors import GeometryError
-from meshes.geometry.biarcs import fitted
+from meshes.geometry.biarcs import fit_arcs
 from meshes.geometry.curve import Segment, arc_pieces
 from meshes.gmsh_session import gmsh_session
 
@@ -102,10 +102,10 @@ def read_dxf(
             f'{size[1]:.4g} high: give length_unit, such as "mm" or "in"'
         )
     pieces = [s for entity in chosen for s in _pieces(entity, unit, columns, tolerance)]
-    return pieces, unit, unit * _rounding(drawing.entitydb.values())
+    return pieces, unit, unit * _find_rounding(drawing.entitydb.values())
 
 
-def _rounding(entities: Iterable[Any]) -> float:
+def _find_rounding(entities: Iterable[Any]) -> float:
     """Largest distance of two ends of lines or arcs, in units of the file, that were one point before it was written.
 
     A program writes all numbers with as many digits, so that the longest ones tell how many.
@@ -199,7 +199,7 @@ def _curve(entity: Any, unit: float, columns: Any, tolerance: float) -> list[Seg
         s
         for a, b in pairwise(inside.tolist())
         if b - a > 1e-9 * spline.max_t
-        for s in fitted(at, a, b - hair if b == inside[-1] else b, tolerance)
+        for s in fit_arcs(at, a, b - hair if b == inside[-1] else b, tolerance)
     ]
 
 
@@ -282,4 +282,4 @@ def _edge(gmsh: ModuleType, tag: int, columns: list[int], tolerance: float) -> l
         centre = start + side * radius * normal
         first = math.atan2(*(start - centre)[::-1])
         return arc_pieces((float(centre[0]), float(centre[1])), radius, first, side * (high - low))
-    return fitted(at, low, high, tolerance)
+    return fit_arcs(at, low, high, tolerance)

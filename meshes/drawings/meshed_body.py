@@ -61,7 +61,7 @@ class MeshedOutline(Outline):
         """The same outline with every triangle cut into four."""
         return replace(self, mesh=self.mesh.refined())
 
-    def within(self, contact: ContactGeometry, zone: tuple[float, float]) -> tuple[float, float]:
+    def widen_zone(self, contact: ContactGeometry, zone: tuple[float, float]) -> tuple[float, float]:
         """The zone [m] widened to whole facets of the face, as far as the faces stand in front of each other."""
         x = self._face_x(contact)
         low, high = contact.reach

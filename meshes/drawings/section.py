@@ -113,7 +113,7 @@ def _section(
     _check_pieces(pieces, path)
     size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
     apart = joint_gap or max(_JOINED * size, min(rounding, _MOST_JOINED * size))
-    loop = _loop(_once(pieces, _JOINED * size), apart, path)
+    loop = _loop(_drop_duplicates(pieces, _JOINED * size), apart, path)
     gaps = [math.dist(before.end, after.start) for before, after in _joints(loop)]
     widest = max((gap for gap in gaps if gap <= apart), default=0.0)
     return replace(profile_of(name, _join_pieces(loop, apart), unit, apart), joined=widest)
@@ -170,7 +170,7 @@ def _joints(loop: list[Segment]) -> Iterator[tuple[Segment, Segment]]:
 def _join_pieces(loop: list[Segment], apart: float) -> list[Segment]:
     """The pieces with ends that meet where they lie within a distance [m] of each other; arcs remain arcs."""
     meets = [
-        _meeting(before, after, apart) if math.dist(before.end, after.start) <= apart else None
+        _meeting_point(before, after, apart) if math.dist(before.end, after.start) <= apart else None
         for before, after in _joints(loop)
     ]
     return [
@@ -179,7 +179,7 @@ def _join_pieces(loop: list[Segment], apart: float) -> list[Segment]:
     ]
 
 
-def _meeting(before: Segment, after: Segment, apart: float) -> Point:
+def _meeting_point(before: Segment, after: Segment, apart: float) -> Point:
     """Where two pieces meet: lines stay on their line, and their ends are nearer to the truth than those of arcs."""
     if before.end == after.start:
         return before.end
@@ -205,7 +205,7 @@ def _fit_piece(s: Segment, start: Point, end: Point) -> Segment:
     return replace(s, start=start, end=end, centre=(turned.real, turned.imag))
 
 
-def _once(pieces: list[Segment], apart: float) -> list[Segment]:
+def _drop_duplicates(pieces: list[Segment], apart: float) -> list[Segment]:
     """The pieces without mere points and without those that lie on one before, both of which drawings hold unseen."""
     kept: list[tuple[Segment, Point]] = []
     for s in (s for s in pieces if s.start != s.end):

@@ -50,7 +50,7 @@ def _arc(start: FloatArray, direction: FloatArray, end: FloatArray) -> Segment:
     return Segment(as_point(start), as_point(end), "", as_point(start + radius * normal))
 
 
-def fitted(
+def fit_arcs(
     curve: Callable[[float], tuple[FloatArray, FloatArray]],
     start: float,
     end: float,
@@ -93,8 +93,8 @@ def fitted(
         )
     middle = 0.5 * (start + end)
     return [
-        *fitted(curve, start, middle, tolerance, depth + 1),
-        *fitted(curve, middle, end, tolerance, depth + 1),
+        *fit_arcs(curve, start, middle, tolerance, depth + 1),
+        *fit_arcs(curve, middle, end, tolerance, depth + 1),
     ]
 
 

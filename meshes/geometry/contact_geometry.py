@@ -395,7 +395,7 @@ class ContactGeometry:
         return 1 / bend if bend * size > 1e-9 else math.inf
 
     @cached_property
-    def _turning(self) -> tuple[FloatArray, FloatArray] | None:
+    def _normal_angles(self) -> tuple[FloatArray, FloatArray] | None:
         """Arc lengths on the seat [m] and angles of the contact normal there [rad]; None if it does not turn."""
         seat, closure = self.seat_face, self.closure_face
         if seat.is_straight or closure.is_straight:
@@ -498,10 +498,10 @@ class ContactGeometry:
     def normal(self, x: FloatArray) -> FloatArray:
         """Unit contact normal (n_r, n_z), from seat to closure; shape (2, ...) over x."""
         s = np.asarray(x, dtype=float) + self._origin
-        if self._turning is None:
+        if self._normal_angles is None:
             first = self.seat_face.normal(np.array(self._origin))
             return np.broadcast_to(first.reshape(2, *(1,) * s.ndim), (2, *s.shape)).copy()
-        return _normals(np.interp(s, *self._turning))
+        return _normals(np.interp(s, *self._normal_angles))
 
     def facing(self, x: FloatArray) -> FloatArray:
         """Cosine of the angle between the seat's own normal and the contact normal, over x."""
@@ -517,7 +517,7 @@ class ContactGeometry:
     @property
     def normal_turns(self) -> bool:
         """Whether the contact normal turns: the closure lies in a hollow seat."""
-        return self._turning is not None
+        return self._normal_angles is not None
 
     def gap(self, x: FloatArray, standoff: float = 0.0) -> FloatArray:
         """Gap along the contact normal [m], exact; nan outside `reach`.
@@ -561,7 +561,7 @@ class ContactGeometry:
             return foot.reshape(r.shape) - self._origin
         # Nodes of a chord lie a sag below the face.
         above = 1e-3 * self.seat_face.length
-        for _ in range(1 if self._turning is None else _ROUNDS):
+        for _ in range(1 if self._normal_angles is None else _ROUNDS):
             normal = self.normal(foot - self._origin)
             hit = self.seat_face.hits(points + above * normal, -normal)[1]
             foot = np.where(np.isnan(hit), foot, hit)

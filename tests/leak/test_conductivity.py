@@ -254,7 +254,7 @@ def test_what_remains_above_each_magnification_of_a_soft_surface_is_resolved(hur
     soft = spectrum(hurst=hurst, q_low=1e4, q_rolloff=1e4, q_high=1e4 * 2**octaves)
     contact = leak.RoughContact(soft, effective_modulus=E, hardness=0.1 * E * soft.rms_slope)
     p = np.array([1e-3 * contact.hardness])
-    seen = contact._seen(p)
+    seen = contact._roughness_at(p)
     nodes = magnification_nodes(soft, seen, p / E)
     rate = np.pi**2 * seen.kappa
     found = (nodes.to_end @ (nodes.moment_weight * np.exp(-rate * nodes.M)).T)[:, 0]

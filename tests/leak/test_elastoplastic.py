@@ -110,7 +110,7 @@ def test_plastic_strain_displaces_by_reciprocity(component):
     wave = np.sin(phase) if component in (3, 4) else np.cos(phase)
     strain = np.zeros((5, layers, n, n))
     strain[component] = depth[:, None, None] * wave
-    raised = body.raised(body.response(strain))
+    raised = body.surface_rise(body.response(strain))
     ll, tt, zz, lz = wave_stress(q, z, nu)
     xx, yy, xy = c * c * ll + t * t * tt, t * t * ll + c * c * tt, c * t * (ll - tt)
     density = [xx - zz, yy - zz, 2.0 * xy, 2.0 * c * lz, 2.0 * t * lz][component]
@@ -130,7 +130,7 @@ def test_mean_of_plastic_strain_moves_the_whole_surface():
         body = LayeredHalfSpace(PeriodicHalfSpace(8, 1e-3, 1e11), nu, 6)
         strain = np.zeros((5, 6, 8, 8))
         strain[:2, 2] = 0.5e-3
-        raised = body.raised(body.response(strain))
+        raised = body.surface_rise(body.response(strain))
         assert raised == pytest.approx(-(1.0 - 2.0 * nu) / (1.0 - nu) * 1e-3 * body.thickness[2], rel=1e-9)
 
 

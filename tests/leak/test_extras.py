@@ -10,7 +10,7 @@ import pytest
 from places import ROOT
 
 from leak import extras
-from leak.extras import command, extra_with, needed
+from leak.extras import command, extra_with, say_missing
 
 
 class Installed:
@@ -39,11 +39,13 @@ def test_what_is_missing_is_named_and_only_that(monkeypatch):
     if not metadata.requires("fem-seal"):
         pytest.skip("the metadata of the installed program name no extras")
     missing(monkeypatch, "dash")
-    assert needed("explore").startswith("needs dash, which is not installed; install it with: ")
+    assert say_missing("explore").startswith("needs dash, which is not installed; install it with: ")
     missing(monkeypatch, "dash", "plotly")
-    assert needed("explore").startswith("needs dash and plotly, which are not installed; install them with: ")
+    assert say_missing("explore").startswith(
+        "needs dash and plotly, which are not installed; install them with: "
+    )
     missing(monkeypatch, "SALib", "optuna", "plotly", "xarray")
-    assert "needs SALib, optuna, plotly and xarray, which" in needed("studies")
+    assert "needs SALib, optuna, plotly and xarray, which" in say_missing("studies")
 
 
 @pytest.mark.parametrize(

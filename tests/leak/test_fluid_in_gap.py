@@ -132,7 +132,7 @@ def test_a_gaussian_near_sealing_against_radau(peak, share, alpha):
 def test_a_flow_that_no_path_settles_is_not_guessed(monkeypatch):
     from leak.flow import fluid_in_gap
 
-    monkeypatch.setattr(fluid_in_gap, "_SETTLED", 0.0)
+    monkeypatch.setattr(fluid_in_gap, "_PATH_TOLERANCE", 0.0)
     x, p = gauss(161)
     with pytest.raises(leak.ProfileError, match="not found to 0 %"):
         coupled(x, p, conductivity(), 0.999 * p.max())

@@ -120,7 +120,7 @@ def test_moments_of_the_remaining_roughness_are_consistent():
     end = float(spectrum().break_moments[-1])
     seen = PlasticRoughness.at(s, E, HARDNESS, end)
     M = np.broadcast_to(np.geomspace(1e-9, 0.99 * seen.end, 60), (3, 60))
-    rise, factor = seen.above(M[:, :-1])(np.diff(M, axis=1))
+    rise, factor = seen.moments_above(M[:, :-1])(np.diff(M, axis=1))
     # Absolute, against the total: moment() counts from below, step() from above.
     np.testing.assert_allclose(np.diff(seen.moment(M), axis=1), rise, atol=1e-12 * end)
     np.testing.assert_allclose(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leak.errors import TableError
-from leak.text_tables import decoded, only_table, read_tables
+from leak.text_tables import decode, only_table, read_tables
 
 X = 0.5 * np.arange(7) - 1.5
 P = 200.25 - 80.0 * X**2
@@ -109,7 +109,7 @@ def only_table_of_numbers(text: str):
 @pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
 def test_encodings_and_line_ends(encoding: str, ends: str) -> None:
     text = "x [µm];p [MPa]\n" + lines("{0};{1}\n")
-    assert decoded(text.replace("\n", ends).encode(encoding)) == text
+    assert decode(text.replace("\n", ends).encode(encoding)) == text
 
 
 def test_two_steps_of_a_report_are_two_tables() -> None:
@@ -147,4 +147,4 @@ def test_what_is_no_table_is_told_with_its_line(text: str, said: str) -> None:
 @pytest.mark.parametrize("content", [b"", b" \n", b"\0" * 20, b"PK\x03\x04" + bytes(range(256))])
 def test_what_is_no_text_is_refused(content: bytes) -> None:
     with pytest.raises(TableError):
-        decoded(content)
+        decode(content)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from meshes import Curve, GeometryError, MeshedBody, Profile, Segment, read_section
-from meshes.geometry.biarcs import fitted
+from meshes.geometry.biarcs import fit_arcs
 from meshes.gmsh_session import gmsh_session
 
 SEAT = [(3.5, 3.5), (11.3, 11.3), (22.0, 11.3), (22.0, -11.5), (3.5, -11.5)]
@@ -223,7 +223,7 @@ def test_top_of_many_arcs_or_facets_is_the_whole_upper_side() -> None:
     def egg(t: float):
         return np.array([math.cos(t), 2 * math.sin(t)]), np.array([-math.sin(t), 2 * math.cos(t)])
 
-    pieces = fitted(egg, -0.5 * math.pi, 0.5 * math.pi, 1e-6)
+    pieces = fit_arcs(egg, -0.5 * math.pi, 0.5 * math.pi, 1e-6)
     ends = [(0.0, -2.0), *(s.end for s in pieces[:-1]), (0.0, 2.0)]
     smooth = tuple(Segment(a, b, "", s.centre) for s, a, b in zip(pieces, ends[:-1], ends[1:], strict=True))
     axis = Segment(ends[-1], ends[0], "")

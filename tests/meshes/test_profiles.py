@@ -27,7 +27,7 @@ from meshes import (
     build,
     read_section,
 )
-from meshes.geometry.biarcs import fitted, through
+from meshes.geometry.biarcs import fit_arcs, through
 from meshes.gmsh_session import gmsh_session
 
 MM, DEG = 1e-3, math.pi / 180
@@ -243,7 +243,7 @@ def test_fitted_arcs_stay_within_the_tolerance_and_are_smooth() -> None:
     def parabola(t):
         return np.array([t, t**2]), np.array([1.0, 2 * t])
 
-    chain = Curve(tuple(fitted(parabola, -1.0, 2.0, 1e-6)))
+    chain = Curve(tuple(fit_arcs(parabola, -1.0, 2.0, 1e-6)))
     t = np.linspace(-1, 2, 5001)
     p = chain.point(chain.project(t, t**2))
     assert np.hypot(p[0] - t, p[1] - t**2).max() < 1.2e-6

@@ -69,10 +69,10 @@ def pressed(
         return [solve(model, law, contact_force=force)]
 
     sizing = element_sizes(law, [line_load], contact, modulus).refined(refine)
-    fit = MeshFit.begun(sizing, contact)
+    fit = MeshFit.begin(sizing, contact)
     while fit.sizing is not None:
-        fit = fit.after(solve_on(fit.sizing))
-    return fit.found[0]
+        fit = fit.with_outcome(solve_on(fit.sizing))
+    return fit.solutions[0]
 
 
 def narrow_load(contact: ContactGeometry, modulus: float, share: float = 1 / 300) -> float:

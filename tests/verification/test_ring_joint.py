@@ -12,7 +12,7 @@ import fem_seal
 import leak
 import meshes
 from fem_seal.bodies.fields import BodyField
-from fem_seal.contact.sizing import element_sizes, rounded
+from fem_seal.contact.sizing import element_sizes, round_sizing
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.loads import line_load
 from fem_seal.materials import effective_modulus
@@ -42,7 +42,9 @@ def solved(size: float = 1.0, decay_length: float = 1e-6) -> tuple[ContactSoluti
     contact = meshes.ContactGeometry.of(flange.outline, ring.outline)
     law, force = leak.ExponentialLaw(p_c=2e9, u0=decay_length), FORCE * size**2
     load = line_load(force, contact.initial_contact_radius, contact.angle)
-    sizing = rounded(element_sizes(law, [load], contact, effective_modulus(*MATERIALS.values())), contact)
+    sizing = round_sizing(
+        element_sizes(law, [load], contact, effective_modulus(*MATERIALS.values())), contact
+    )
     mesh = meshes.build_contact(contact, sizing)
     return fem_seal.solve(fem_seal.condense(mesh, MATERIALS), law, contact_force=force), mesh
 

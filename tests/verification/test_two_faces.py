@@ -64,7 +64,7 @@ def tied(inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
 
 def compliance_of_both_faces(upper: ContactSolution, lower: ContactSolution) -> np.ndarray:
     """Retreat of the points of the upper and then of the lower face per unit normal force at each [m/N]."""
-    halves = [upper.model.seat.held, lower.model.seat.held]
+    halves = [upper.model.seat.fem, lower.model.seat.fem]
     blocks, places, offsets, forces, trace = [], [], [0], [], []
     for held, way in zip(halves, (1.0, -1.0), strict=True):
         dofs, at = node_dofs(held.mesh), quadratic_nodes(held.mesh)[0]
@@ -112,7 +112,7 @@ def pressures_of_both_faces(
     """Contact pressures of the whole ring, from a lower face that carries its force evenly at first."""
     both, lines = (upper, lower), [one.model.line for one in (upper, lower)]
     closures = [
-        one.model.closure.held.trace @ (one.model.closure.held.trace @ one.model.closure.compliance.T).T
+        one.model.closure.fem.trace @ (one.model.closure.fem.trace @ one.model.closure.compliance.T).T
         for one in both
     ]
     compliance = compliance_of_both_faces(upper, lower) + block_diag(closures).toarray()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
-    from fem_seal.contact.load_path import Unloaded
+    from fem_seal.contact.load_path import UnloadedBodies
     from meshes import ContactGeometry, SealMesh
 
 
@@ -380,7 +380,7 @@ def mesh_picture(result: SealSolution, load: CaseLoad) -> Picture:
         "mesh",
         "all",
         quality=quality,
-        unknowns=sum(body.held.size for body in result.model.bodies.values()),
+        unknowns=sum(body.fem.size for body in result.model.bodies.values()),
         size=smallest,
     )
 
@@ -600,7 +600,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     )
 
 
-def _imprints(axes: Axes, unloaded: Unloaded, contact: ContactGeometry) -> None:
+def _imprints(axes: Axes, unloaded: UnloadedBodies, contact: ContactGeometry) -> None:
     imprints = unloaded.imprints
     reach = max(_WIDTHS * imprint.width + abs(imprint.deepest_at) for imprint in imprints.values())
     length = unit_for("length", reach)
@@ -614,7 +614,7 @@ def _imprints(axes: Axes, unloaded: Unloaded, contact: ContactGeometry) -> None:
     label(axes, "Permanent imprint", f"x  [{length.name}]", f"depth  [{height.name}]", legend="best")
 
 
-def _strains(axes: Axes, result: SolvedSeal, unloaded: Unloaded) -> str:
+def _strains(axes: Axes, result: SolvedSeal, unloaded: UnloadedBodies) -> str:
     """Plastic strain of all bodies that yield; returns its reach."""
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
     materials = result.problem.materials

@@ -116,8 +116,8 @@ def test_return_keeps_the_laws_of_plastic_flow(path: list[np.ndarray]) -> None:
     for strain in path:
         answer = radial_return(strain, state, HARDENING, CURVE)
         increment = answer.state.strain - state.strain
-        grown = answer.state.accumulated - state.accumulated
-        limit = CURVE.flow_stress(answer.state.accumulated)
+        grown = answer.state.accumulated_strain - state.accumulated_strain
+        limit = CURVE.flow_stress(answer.state.accumulated_strain)
         assert von_mises(answer.stress) <= limit * (1 + 1e-9)
         assert abs(increment[:3].sum()) < 1e-15
         tensor = increment * [1, 1, 1, 0.5]
@@ -222,7 +222,7 @@ def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
         assert contact.fields[name].stress[away] == pytest.approx(
             field.stress[away], abs=0.05 * np.abs(field.stress).max()
         )
-    assert path.unloaded.imprints == {}
+    assert path.unloaded_bodies.imprints == {}
 
 
 @pytest.fixture(scope="module")
@@ -241,7 +241,7 @@ def test_contact_carries_the_force(pressed: tuple[LoadPath, float]) -> None:
         # and so does the seat's bottom: reactions of the elements' stress
         body = contact.bodies["seat"]
         internal = body.solid.internal_forces(contact.states["seat"].stress)
-        bottom = boundary_dofs(body.held.mesh, "seat_bottom", 1)
+        bottom = boundary_dofs(body.fem.mesh, "seat_bottom", 1)
         assert internal[bottom].sum() == pytest.approx(contact.contact_force, rel=1e-8)
 
 
@@ -276,7 +276,7 @@ def test_nothing_is_stressed_beyond_its_curve(pressed: tuple[LoadPath, float]) -
 
 def test_loading_again_is_elastic(pressed: tuple[LoadPath, float]) -> None:
     first, low, again = pressed[0].contacts
-    before, after = (c.states["seat"].plastic.accumulated for c in (first, again))
+    before, after = (c.states["seat"].plastic.accumulated_strain for c in (first, again))
     assert np.all(after >= before)
     assert (after - before).max() < 0.01 * before.max()
     assert again.profile.std == pytest.approx(first.profile.std, rel=1e-3)
@@ -286,8 +286,8 @@ def test_loading_again_is_elastic(pressed: tuple[LoadPath, float]) -> None:
 
 def test_residual_stress_balances_itself(pressed: tuple[LoadPath, float]) -> None:
     path, force = pressed
-    state, body = path.unloaded.states["seat"], path.contacts[0].bodies["seat"]
-    mesh = body.held.mesh
+    state, body = path.unloaded_bodies.states["seat"], path.contacts[0].bodies["seat"]
+    mesh = body.fem.mesh
     internal = body.solid.internal_forces(state.stress)
     # the force across every level section, from the stress of the elements below it
     axial = node_dofs(mesh)[1]
@@ -302,12 +302,12 @@ def test_residual_stress_balances_itself(pressed: tuple[LoadPath, float]) -> Non
 
 def test_imprint_stays(pressed: tuple[LoadPath, float]) -> None:
     path, _ = pressed
-    imprint, width = path.unloaded.imprints["seat"], path.contacts[0].profile.fwhm
+    imprint, width = path.unloaded_bodies.imprints["seat"], path.contacts[0].profile.fwhm
     # the ball was pressed a^2/2R deep into it; what springs back and what piles up share the rest
     assert 0.5 < imprint.deepest / ((width / 2) ** 2 / (2 * 0.02)) < 1.5
     assert 0.5 * width < imprint.width < width
     assert 0 < imprint.rim < 0.2 * imprint.deepest
-    field = path.unloaded.fields["seat"]
+    field = path.unloaded_bodies.fields["seat"]
     assert field.contact_pressure.max() == 0
     nodes = field.contact_nodes
     normal = np.array([-np.sqrt(0.5), np.sqrt(0.5)])
@@ -338,9 +338,11 @@ def test_long_steps_through_what_stays_elastic_change_nothing() -> None:
     every = pressed([*range(1, 9), *range(7, 0, -1), *range(2, 9)], 1).contacts
     for contact, other in zip(few, (every[7], every[14], every[21]), strict=True):
         assert contact.pressure == pytest.approx(other.pressure, abs=1e-8 * other.pressure.max())
-        strain = other.states["seat"].plastic.accumulated
+        strain = other.states["seat"].plastic.accumulated_strain
         assert strain.max() > 5e-4
-        assert contact.states["seat"].plastic.accumulated == pytest.approx(strain, abs=1e-8 * strain.max())
+        assert contact.states["seat"].plastic.accumulated_strain == pytest.approx(
+            strain, abs=1e-8 * strain.max()
+        )
     assert all(contact.load_steps < steps for contact, steps in zip(few, (8, 7, 7), strict=True))
 
 
@@ -354,10 +356,10 @@ def test_first_loading_of_several_forces_is_one_path() -> None:
         return load_path(model, LAW, [PathLoad(share * force)], settings=few, unload=False).contacts[0]
 
     def shared(share: float) -> ElastoplasticContact:
-        return load_path(model, LAW, [PathLoad(share * force)], first=first, unload=False).contacts[0]
+        return load_path(model, LAW, [PathLoad(share * force)], first_loading=first, unload=False).contacts[0]
 
     first = FirstLoading(model, LAW)
-    assert first.highest is None
+    assert first.highest_force is None
     begun = shared(0.7)
     alone = direct(0.7)
     assert begun.pressure == pytest.approx(alone.pressure, rel=1e-12)
@@ -370,12 +372,14 @@ def test_first_loading_of_several_forces_is_one_path() -> None:
         assert found.contact_force == pytest.approx(own.contact_force, rel=1e-12)
         assert abs(found.profile.std - own.profile.std) <= abs(coarse.profile.std - own.profile.std)
         assert found.load_steps <= begun.load_steps + 6
-        strain, its = (one.states["seat"].plastic.accumulated.max() for one in (found, own))
+        strain, its = (one.states["seat"].plastic.accumulated_strain.max() for one in (found, own))
         assert strain == pytest.approx(its, rel=0.01)
-    assert first.highest == 0.3 * force
+    assert first.highest_force == 0.3 * force
     # a load after the first goes on from there
     loads = [PathLoad(0.3 * force), PathLoad(0.1 * force)]
-    back, own = (load_path(model, LAW, loads, first=one, unload=False).contacts[1] for one in (first, None))
+    back, own = (
+        load_path(model, LAW, loads, first_loading=one, unload=False).contacts[1] for one in (first, None)
+    )
     assert back.pressure == pytest.approx(own.pressure, abs=1e-9 * own.pressure.max())
 
 
@@ -407,8 +411,8 @@ def test_steps_are_halved_before_giving_up() -> None:
         model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1), partial=True
     )
     assert [contact.contact_force for contact in path.contacts] == [0.02 * force]
-    assert "load step from" in str(path.stopped)
-    assert path.unloaded.imprints == {}
+    assert "load step from" in str(path.failure)
+    assert path.unloaded_bodies.imprints == {}
 
 
 def test_a_way_that_takes_too_many_steps_ends_with_the_load_that_was_reached() -> None:
@@ -418,7 +422,7 @@ def test_a_way_that_takes_too_many_steps_ends_with_the_load_that_was_reached() -
     never = PlasticSettings(steps=1, max_iterations=1, smallest_step=0.0, most_steps=30)
     with pytest.raises(ConvergenceError) as caught:
         load_path(model, LAW, loads, settings=never)
-    assert isinstance(caught.value.partial.stopped, LongPathError)
+    assert isinstance(caught.value.partial.failure, LongPathError)
     assert [contact.contact_force for contact in caught.value.partial.contacts] == [0.02 * force]
     said = r"([\d.]+) N of 37.7 kN are reached after (\d+) load steps that were tried, (\d+) % of the way"
     found = re.match(said, str(caught.value))

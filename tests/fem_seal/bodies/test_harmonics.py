@@ -329,20 +329,20 @@ def bodies(model: ContactModel) -> tuple[CondensedBody, CondensedBody]:
 def test_without_waves_the_elements_are_those_of_the_axisymmetric_model(coarse: ContactModel) -> None:
     """Closing load and counting of the motion included; rounding, which the condition of K makes larger: 1e-10."""
     for body in bodies(coarse):
-        k0 = assembled(displacement_basis(body.held.mesh))[0]
-        in_plane = k0[: body.held.size][:, : body.held.size]
-        assert abs(k0[body.held.size :][:, : body.held.size]).max() == 0
-        free = in_plane[body.held.free][:, body.held.free].tocsc()
-        compliance, solve = contact_compliance(body.held, free)
-        balanced = np.zeros(body.held.size)
-        balanced[body.held.free] = solve(body.held.balance[body.held.free])
-        compliance = body.held.floating(compliance, balanced)
+        k0 = assembled(displacement_basis(body.fem.mesh))[0]
+        in_plane = k0[: body.fem.size][:, : body.fem.size]
+        assert abs(k0[body.fem.size :][:, : body.fem.size]).max() == 0
+        free = in_plane[body.fem.free][:, body.fem.free].tocsc()
+        compliance, solve = contact_compliance(body.fem, free)
+        balanced = np.zeros(body.fem.size)
+        balanced[body.fem.free] = solve(body.fem.balance[body.fem.free])
+        compliance = body.fem.floating_compliance(compliance, balanced)
         assert compliance == pytest.approx(body.compliance, abs=1e-10 * np.abs(body.compliance).max())
 
 
 def independently(body: CondensedBody, n: int, point_forces: np.ndarray) -> np.ndarray:
     """Opening by a factor of another kind, of supports written down anew, for one load at a time."""
-    basis, held = displacement_basis(body.held.mesh), body.held
+    basis, held = displacement_basis(body.fem.mesh), body.fem
     dofs, closure = harmonic_dofs(basis.mesh), held.name == "closure"
 
     def at(boundary: str) -> np.ndarray:
@@ -368,17 +368,17 @@ def test_opening_is_that_of_the_whole_system_and_reciprocal(coarse: ContactModel
     x = coarse.line.x / coarse.line.x.max()
     one, other = coarse.line.area_weight * np.exp(-8 * x**2), coarse.line.area_weight * (1.5 + np.sin(3 * x))
     for body in bodies(coarse):
-        harmonic = HarmonicBody(body.held)
+        harmonic = HarmonicBody(body.fem)
         under_one, under_other = independently(body, n, one), independently(body, n, other)
         assert harmonic.opening(n, one) == pytest.approx(under_one, abs=1e-9 * np.abs(under_one).max())
         assert other @ under_one == pytest.approx(one @ under_other, rel=1e-9)
 
 
 def test_answers_are_kept_up_to_a_bound(coarse: ContactModel, monkeypatch: pytest.MonkeyPatch) -> None:
-    body = HarmonicBody(coarse.seat.held)
+    body = HarmonicBody(coarse.seat.fem)
     first = body.compliance(2)
     assert body.compliance(2) is first
-    monkeypatch.setattr(harmonics, "_KEPT", 2.5 * first.nbytes)
+    monkeypatch.setattr(harmonics, "_CACHE_SIZE", 2.5 * first.nbytes)
     third = body.compliance(3)
     assert body.compliance(2) is first
     last = body.compliance(4)
@@ -391,14 +391,14 @@ def test_answers_are_kept_up_to_a_bound(coarse: ContactModel, monkeypatch: pytes
 @pytest.mark.parametrize("n", [0, -2, 1.5])
 def test_waves_are_counted_by_whole_numbers_from_one_on(coarse: ContactModel, n: float) -> None:
     with pytest.raises(ValueError, match=f"{n} waves around the axis: a whole number from 1 on is needed"):
-        HarmonicBody(coarse.seat.held).compliance(n)  # type: ignore[arg-type]
+        HarmonicBody(coarse.seat.fem).compliance(n)  # type: ignore[arg-type]
 
 
 def wave_compliance(model: ContactModel, std: float, waves: Sequence[int]) -> np.ndarray:
     """Opening averaged over the load itself, per line load on the circle of first touch [m^2/N]; (closure/seat, n)."""
     shape = model.line.radius * model.line.arc_weight * np.exp(-0.5 * (model.line.x / std) ** 2)
     forces = 2 * np.pi * model.initial_contact_radius * shape / shape.sum()
-    both = [HarmonicBody(body.held) for body in bodies(model)]
+    both = [HarmonicBody(body.fem) for body in bodies(model)]
     return np.array([[forces @ body.opening(n, forces) / forces.sum() for n in waves] for body in both])
 
 

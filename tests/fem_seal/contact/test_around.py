@@ -677,11 +677,11 @@ def test_between_the_harmonics_of_bodies_the_answer_is_theirs(
     mean = slender() if is_slender else rough.mean
     few = Stiffening(mean.model, mean.pressure, 12)
     found = np.array([(few(n), few.bend(n)) for n in range(1, 13)])
-    assert sorted(few.known) == [1, 2, 3, 4, 5, 6, 9, 12]
-    each = [Stiffening(mean.model, mean.pressure, n, known=few.known) for n in range(1, 13)]
+    assert sorted(few.openings) == [1, 2, 3, 4, 5, 6, 9, 12]
+    each = [Stiffening(mean.model, mean.pressure, n, openings=few.openings) for n in range(1, 13)]
     expected = np.array([(one(one.highest), one.bend(one.highest)) for one in each])
     assert np.max(np.abs(found - expected) / np.abs(expected[-1]), axis=0) == pytest.approx(0.0, abs=leaves)
-    assert Stiffening(mean.model, mean.pressure, 9, 3)._asked == [3, 6, 9]
+    assert Stiffening(mean.model, mean.pressure, 9, 3)._harmonics == [3, 6, 9]
 
 
 def two_waves_of_1_um(local: LocalContact) -> tuple[np.ndarray, np.ndarray]:

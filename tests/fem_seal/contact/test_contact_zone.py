@@ -43,13 +43,13 @@ def solve_fitted(
     sizing: Sizing, solve_on: Callable[[Sizing], Sequence[ContactSolution]], *, size_given: bool = False
 ) -> Sequence[ContactSolution]:
     """Contacts on the last of the meshes that are tried."""
-    fit = MeshFit.begun(sizing, CONTACT, size_given=size_given)
+    fit = MeshFit.begin(sizing, CONTACT, size_given=size_given)
     while fit.sizing is not None:
         try:
-            fit = fit.after(solve_on(fit.sizing))
+            fit = fit.with_outcome(solve_on(fit.sizing))
         except ConvergenceError as error:
-            fit = fit.after(error)
-    return fit.found
+            fit = fit.with_outcome(error)
+    return fit.solutions
 
 
 @pytest.fixture(scope="module")

@@ -379,12 +379,12 @@ def test_a_ring_pressed_into_a_bore_is_that_of_lame():
     ring = flat_ring(bore, outer)
     seat = ring.seat
     moved = BodyLoads.press_fit(interference).displacement(seat, ring)
-    r, z = quadratic_nodes(seat.held.mesh)[0].T
+    r, z = quadratic_nodes(seat.fem.mesh)[0].T
     # u = A r + B/r with sigma_r(bore) = 0, u(outer) = -interference, sigma_z = 0
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
     ratio = bore**2 * (1 + nu) / (1 - nu)
     A = -interference / (outer + ratio / outer)
-    radial, axial = moved[node_dofs(seat.held.mesh)]
+    radial, axial = moved[node_dofs(seat.fem.mesh)]
     # quadratic elements of up to 1 mm for 1/r from 10 mm on
     assert radial == pytest.approx(A * r + A * ratio / r, abs=5e-5 * interference)
     # the faces stay flat: uniform strain -nu (sigma_r + sigma_t)/E, the bottom held

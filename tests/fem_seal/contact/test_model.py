@@ -63,7 +63,7 @@ def test_area_of_a_strip_is_what_is_seen_along_the_contact_normal(model: Contact
 
 def test_even_pressure_on_a_strip_presses_the_seat_with_its_area_along_the_axis(model: ContactModel) -> None:
     ends, inside = on_edge(model)
-    held = model.seat.held
+    held = model.seat.fem
     force = held.nodal_forces(np.where(inside, 1e6, 0.0) * model.line.area_weight)
     area = area_across(ends[-1]) - area_across(ends[0])
     axial = force[node_dofs(held.mesh)[1]].sum()

@@ -68,7 +68,7 @@ def power_law(side, exponent=1.0):
 
 
 def places(body):
-    return quadratic_nodes(body.held.mesh)[0]
+    return quadratic_nodes(body.fem.mesh)[0]
 
 
 # ---------------------------------------------------------------- the loads alone
@@ -79,7 +79,7 @@ def test_fluid_all_around_the_closure_lifts_nothing_and_shrinks_it_evenly():
     loads = BodyLoads.of_fluid((p, p), np.full_like(line.x, p))
     # of 12.6 kN on the ball's section
     assert abs(loads.lift(model())) < 1e-9
-    moved = loads.displacement(closure, model())[node_dofs(closure.held.mesh)]
+    moved = loads.displacement(closure, model())[node_dofs(closure.fem.mesh)]
     strain = -p * (1 - 2 * STEEL.poissons_ratio) / STEEL.youngs_modulus
     r, z = places(closure).T
     # The contact line lies on the seat, up to 21 um off the ball: what that shifts is felt nearby only.
@@ -182,7 +182,7 @@ def test_fluid_all_around_a_seat_whose_wall_gives_way_shrinks_it_evenly():
     seat = held.seat
     moved = loads.displacement(seat, held)
     r, z = places(seat).T
-    dofs = node_dofs(seat.held.mesh)
+    dofs = node_dofs(seat.fem.mesh)
     scale = strain * cone.outer_radius
     # A linear field: the elements hold it exactly, up to the round-off of the factorisation.
     assert np.abs(moved[dofs[0]] + strain * r).max() < 1e-8 * scale
@@ -209,14 +209,14 @@ def test_bodies_move_as_in_one_solve_under_all_loads():
     loads = BodyLoads.of_fluid((0.0, PRESSURE), PRESSURE * (line.x > 0))
     solution = solve(model(), LAW, contact_force=1000.0, loads=loads)
     seat = model().seat
-    dofs = node_dofs(seat.held.mesh)
-    force = pressure_load(seat.held.mesh, "seat_outer") * PRESSURE
-    normal = np.stack([np.interp(seat.held.contact_x, line.x, component) for component in line.normal])
-    pressed = seat.held.trace.T @ (line.area_weight * (solution.pressure + PRESSURE * (line.x > 0)))
-    force[dofs[:, seat.held.contact_nodes]] -= normal * pressed
-    free = np.setdiff1d(np.arange(seat.held.size), boundary_dofs(seat.held.mesh, "seat_bottom", 1))
-    stiffness = stiffness_matrix(seat.held.mesh, STEEL)
-    moved = np.zeros(seat.held.size)
+    dofs = node_dofs(seat.fem.mesh)
+    force = pressure_load(seat.fem.mesh, "seat_outer") * PRESSURE
+    normal = np.stack([np.interp(seat.fem.contact_x, line.x, component) for component in line.normal])
+    pressed = seat.fem.trace.T @ (line.area_weight * (solution.pressure + PRESSURE * (line.x > 0)))
+    force[dofs[:, seat.fem.contact_nodes]] -= normal * pressed
+    free = np.setdiff1d(np.arange(seat.fem.size), boundary_dofs(seat.fem.mesh, "seat_bottom", 1))
+    stiffness = stiffness_matrix(seat.fem.mesh, STEEL)
+    moved = np.zeros(seat.fem.size)
     moved[free] = spsolve(stiffness[free][:, free].tocsc(), force[free])
     assert solution.fields["seat"].displacement == pytest.approx(moved[dofs].T, abs=1e-9 * np.ptp(moved))
 

@@ -119,7 +119,7 @@ def test_bodies_that_never_yield_are_elastic_ones(law: Law, path: FluidPath) -> 
     for name, field in elastic.fields.items():
         moved = contact.fields[name].displacement
         assert moved == pytest.approx(field.displacement, abs=1e-8 * np.abs(field.displacement).max())
-    assert whole.unloaded is not None and whole.unloaded.imprints == {}
+    assert whole.unloaded_bodies is not None and whole.unloaded_bodies.imprints == {}
 
 
 def test_a_fluid_of_next_to_no_pressure_changes_nothing() -> None:
@@ -131,9 +131,9 @@ def test_a_fluid_of_next_to_no_pressure_changes_nothing() -> None:
         model, LAW, [PathLoad(spring, path=flowing("inner"), fluid_pressure=1.0)], settings=few, unload=False
     ).contacts
     assert wet.pressure == pytest.approx(dry.pressure, rel=1e-6)
-    assert dry.states["seat"].plastic.accumulated.max() > 1e-3
-    assert wet.states["seat"].plastic.accumulated == pytest.approx(
-        dry.states["seat"].plastic.accumulated, abs=1e-8
+    assert dry.states["seat"].plastic.accumulated_strain.max() > 1e-3
+    assert wet.states["seat"].plastic.accumulated_strain == pytest.approx(
+        dry.states["seat"].plastic.accumulated_strain, abs=1e-8
     )
 
 
@@ -164,7 +164,7 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
         LAW, 3e7, closure=HARDENING, seat=HARDENING, refine=0.35, wider=1.5, supports=Supports(wall="fixed")
     )
     p = 4 * YIELD
-    seat = model.seat.held
+    seat = model.seat.fem
     places = seat.nodes[0][seat.wall_nodes, 0]
     strain = p * (1 - 2 * STEEL.poissons_ratio) / E
     tight = BodyLoads.press_fit(strain * float(places.max()))
@@ -177,8 +177,8 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
     free = load_path(
         model, LAW, [PathLoad(1e-6 * force, fluid)], settings=PlasticSettings(steps=1), unload=False
     )
-    assert alone.states["seat"].plastic.accumulated.max() > 5e-4
-    yielded = free.contacts[0].states["seat"].plastic.accumulated
+    assert alone.states["seat"].plastic.accumulated_strain.max() > 5e-4
+    yielded = free.contacts[0].states["seat"].plastic.accumulated_strain
     assert yielded.max() < 1e-3 * strain
     assert wet.profile.peak_pressure == pytest.approx(alone.profile.peak_pressure, rel=strain)
     assert wet.profile.std == pytest.approx(alone.profile.std, rel=strain)
@@ -204,8 +204,8 @@ def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
         # what the elements of the seat put on its bottom, from their stress
         body = contact.bodies["seat"]
         internal = body.solid.internal_forces(contact.states["seat"].stress)
-        bottom = boundary_dofs(body.held.mesh, "seat_bottom", 1)
-        on_faces = pressure * body.held.further[0][node_dofs(body.held.mesh)[1]].sum()
+        bottom = boundary_dofs(body.fem.mesh, "seat_bottom", 1)
+        on_faces = pressure * body.fem.further[0][node_dofs(body.fem.mesh)[1]].sum()
         carried = contact.contact_force + float(line.normal[1] @ (line.area_weight * gap)) - on_faces
         assert internal[bottom].sum() == pytest.approx(carried, rel=1e-7)
 
@@ -257,11 +257,11 @@ def test_more_steps_change_little() -> None:
 
 def test_an_open_seal_leaves_no_trace() -> None:
     path = relief()
-    assert list(path.opened) == [4] and len(path.contacts) == 5
-    assert "the fluid lifts the closure off" in str(path.opened[4].error)
+    assert list(path.open_loads) == [4] and len(path.contacts) == 5
+    assert "the fluid lifts the closure off" in str(path.open_loads[4].error)
     model, _ = soft()
     # the spring's force on a circle inside the contact
-    radius = math.sqrt(soft()[1] / (math.pi * path.opened[4].error.blow_off_pressure))
+    radius = math.sqrt(soft()[1] / (math.pi * path.open_loads[4].error.blow_off_pressure))
     assert abs(radius - model.initial_contact_radius) < 3 * path.contacts[0].profile.std
     assert path.contacts[-1].contact_force > path.contacts[1].contact_force
 
@@ -285,7 +285,7 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
         settings=few,
         unload=False,
     )
-    assert list(path.opened) == [2]
+    assert list(path.open_loads) == [2]
     closed = path.contacts[1]
     # a held fluid gets through while there still is a contact
     assert 0 < closed.contact_force < (0.03 if isinstance(fluid, PenetratingFluid) else 0.1) * spring
@@ -407,7 +407,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     """Against a path of its own for every sample: off by less than 6 % of what the sample changes ln Q by, or 1e-3."""
     problem, result = sampled()
     settings = Uncertainty(rms_height=Spread(relative=0.1), hardness=Spread(relative=0.1))
-    assert result.contact[0].states["seat"].plastic.accumulated.max() > 1e-3  # type: ignore[attr-defined]
+    assert result.contact[0].states["seat"].plastic.accumulated_strain.max() > 1e-3  # type: ignore[attr-defined]
     (same,) = linearised_again(result.contact, problem.law)
     assert same.pressure == pytest.approx(result.contact[0].pressure, rel=1e-6)
     samples = Samples.of(result, settings)

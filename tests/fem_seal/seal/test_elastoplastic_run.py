@@ -118,7 +118,7 @@ def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
         assert load.contact_force == pytest.approx(contact.contact_force, rel=1e-14)
         assert load.contact.profile.pressure == pytest.approx(contact.profile.pressure, rel=1e-9)
     assert result.unloaded is not None
-    ours, theirs = result.unloaded.imprints["seat"], path.unloaded.imprints["seat"]
+    ours, theirs = result.unloaded.imprints["seat"], path.unloaded_bodies.imprints["seat"]
     assert ours.depth == pytest.approx(theirs.depth, abs=1e-9 * theirs.deepest)
 
 
@@ -141,7 +141,7 @@ def test_the_press_fit_is_no_imprint(result: SealResult) -> None:
     """The fit moves the whole face; the imprint is what the loads have added, next to nothing far from the contact."""
     assert result.unloaded is not None
     imprint = result.unloaded.imprints["seat"]
-    fit = result.model.seat.held.normal_displacement(result.unloaded.before["seat"].displacement)
+    fit = result.model.seat.fem.normal_displacement(result.unloaded.initial_states["seat"].displacement)
     assert np.abs(fit).min() > 3 * imprint.deepest
     assert abs(imprint.depth[[0, -1]]).max() < 0.15 * imprint.deepest
     assert 0 < imprint.width < 2 * result.loads[0].contact.profile.fwhm
@@ -321,7 +321,9 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
     """Also for strains so small that per cent would need many digits."""
     assert proof.unloaded is not None
     state = proof.unloaded.states["seat"]
-    less = replace(state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated))
+    less = replace(
+        state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated_strain)
+    )
     unloaded = replace(proof.unloaded, states={"seat": less})
     weaker = replace(proof, unloaded=unloaded)
     figure = drawn(monkeypatch, lambda: pictures_contact.imprint_picture(weaker))

@@ -302,7 +302,7 @@ def test_ridges_of_a_kammprofile_seal_one_behind_the_other() -> None:
 
 def test_a_ring_that_flows_without_limit_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     # as a needle far beyond its limit load does, after a minute
-    monkeypatch.setattr("fem_seal.contact.load_path._COLLAPSED", 1e-4)
+    monkeypatch.setattr("fem_seal.contact.load_path._COLLAPSE_STRAIN", 1e-4)
     loads = {"fluid_pressure": "1 bar", "applied_force": "3 kN", "pressure_side": "inner"}
     others = {"roughness": None, "fluid": None, "interface": {"law": "smooth"}}
     with pytest.raises(LimitLoadError, match="flows without limit"):

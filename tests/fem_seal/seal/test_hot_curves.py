@@ -125,7 +125,7 @@ def test_a_held_bar_that_is_heated_yields_as_by_hand(at: float) -> None:
     state, _ = find_balance(body, body.virgin, free_strain=strain)
     assert state.stress[..., 1] == pytest.approx(-by_hand, rel=1e-9)
     assert np.abs(state.stress[..., [0, 2, 3]]).max() < 1e-9 * by_hand
-    assert state.plastic.accumulated == pytest.approx(strain - by_hand / E, abs=1e-12)
+    assert state.plastic.accumulated_strain == pytest.approx(strain - by_hand / E, abs=1e-12)
     # the same by steps, with the curve of each temperature on the way
     stepped = body.virgin
     for T in np.linspace(ROOM, at, 9)[1:].tolist():
@@ -285,7 +285,8 @@ def test_wrong_files_of_curves(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_hot_seat_is_coined_deeper_and_a_table_is_its_curve() -> None:
     cold, hot = (contact_of(pressed(LIST, temperature={"uniform": at})) for at in ("20 degC", "300 degC"))
-    assert hot.states["seat"].plastic.accumulated.max() > 1.5 * cold.states["seat"].plastic.accumulated.max()
+    deep, shallow = (one.states["seat"].plastic.accumulated_strain.max() for one in (hot, cold))
+    assert deep > 1.5 * shallow
     assert hot.profile.std > cold.profile.std
     # at a temperature of the table it is the plain curve, and so it is of a table that says the same everywhere
     plain = contact_of(pressed(PLAIN, temperature={"uniform": "20 degC"}))
@@ -314,7 +315,7 @@ def test_each_place_of_a_body_yields_at_its_own_temperature() -> None:
     deviator[..., :3] -= state.stress[..., :3].mean(axis=-1, keepdims=True)
     q = np.sqrt(1.5 * (deviator**2 @ np.array([1, 1, 1, 2])))
     # nowhere above the curve of the place, and on it where it flows more than ever before
-    p = state.plastic.accumulated
+    p = state.plastic.accumulated_strain
     single = np.array(
         [CURVES.at(T).flow_stress(x) for T, x in zip(solid.temperature.ravel(), p.ravel(), strict=True)]
     )
@@ -327,10 +328,10 @@ def test_each_place_of_a_body_yields_at_its_own_temperature() -> None:
 def test_a_calculated_temperature_with_equal_curves_is_the_plain_curve() -> None:
     plain = contact_of(conducting(PLAIN))
     equal = contact_of(conducting([{**PLAIN, "temperature": T} for T in ("0 degC", "100 degC", "400 degC")]))
-    assert plain.states["seat"].plastic.accumulated.max() > 1e-3
+    assert plain.states["seat"].plastic.accumulated_strain.max() > 1e-3
     assert equal.pressure == pytest.approx(plain.pressure, rel=1e-7, abs=1e3)
-    assert equal.states["seat"].plastic.accumulated == pytest.approx(
-        plain.states["seat"].plastic.accumulated, abs=1e-9
+    assert equal.states["seat"].plastic.accumulated_strain == pytest.approx(
+        plain.states["seat"].plastic.accumulated_strain, abs=1e-9
     )
 
 
@@ -360,7 +361,7 @@ def test_a_design_of_another_temperature_takes_its_curve(tmp_path: Path) -> None
     hot = base.replace({"temperature": {"uniform": WARM}})
     result = fem_seal.run(hot)
     row = result.table.iloc[0]
-    assert row[columns[0]] > 1.5 * contact_of(base).states["seat"].plastic.accumulated.max()
+    assert row[columns[0]] > 1.5 * contact_of(base).states["seat"].plastic.accumulated_strain.max()
     assert evaluate_design(hot, columns).values == {name: row[name] for name in columns}
     result.write(tmp_path)
     report = (tmp_path / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")

@@ -87,7 +87,7 @@ def test_where_the_next_mesh_cannot_be_made_the_loads_go_on_on_the_first(wanted_
 
 
 def test_a_load_that_does_not_converge_begins_anew_without_unloading(wanted_twice, monkeypatch):
-    to, told = load_solver.load_path.__globals__["_Walk"].to, []
+    to, told = load_solver.load_path.__globals__["_Walk"].reach, []
     first = len(sizing(problem()).contact_vertices(problem().contact.breaks))
 
     def failing(self, end, begin, here, number=None, passed=None):
@@ -97,7 +97,7 @@ def test_a_load_that_does_not_converge_begins_anew_without_unloading(wanted_twic
         return to(self, end, begin, here, number, passed)
 
     monkeypatch.setattr(contact_sizing, "better_sizing", lambda *arguments, **more: None)
-    monkeypatch.setattr(load_solver.load_path.__globals__["_Walk"], "to", failing)
+    monkeypatch.setattr(load_solver.load_path.__globals__["_Walk"], "reach", failing)
     found = evaluate(problem(), clock=Clock(told.append))
     assert len(peaks(found)) == 2 and found.solved.unloaded is not None
     assert sum("a load does not converge on this mesh" in text for text in told) == 1

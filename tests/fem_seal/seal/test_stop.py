@@ -18,7 +18,7 @@ from fem_seal.answers.target import contacts_at_target
 from fem_seal.case.case import load_case
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.newton import ContactProblem, solve
-from fem_seal.contact.newton import _softened_first as softened_first
+from fem_seal.contact.newton import _solve_from_soft as solve_from_soft
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.output.answers.compression import compression_in_words
@@ -362,7 +362,7 @@ def test_from_a_soft_interface_the_same_contact_is_found(force: float) -> None:
     pressing = ContactProblem(
         one.model, elastic().problem.law, force, settings=ContactSettings(max_iterations=40)
     )
-    direct, softened = solve(one.model, pressing.law, contact_force=force), softened_first(pressing)
+    direct, softened = solve(one.model, pressing.law, contact_force=force), solve_from_soft(pressing)
     assert isinstance(softened, ContactSolution)
     assert softened.approach == pytest.approx(direct.approach, rel=1e-9)
     assert softened.stop_force == pytest.approx(direct.stop_force, rel=1e-8, abs=1e-6)

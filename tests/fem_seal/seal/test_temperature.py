@@ -168,9 +168,9 @@ def model_of(supports: fem_seal.Supports | None = None, wide: bool = False) -> C
 
 def grown(body: Any, strain: float) -> np.ndarray:
     """Displacement of a condensed body with a uniform free strain, by its stiffness."""
-    held = body.held
+    held = body.fem
     load = thermal_load(held.mesh, held.material, np.full((1, 1), strain))
-    return held.counted(body.solve(held.balanced(load)))
+    return held.remove_rigid_motion(body.solve(held.balance_forces(load)))
 
 
 def test_the_column_of_the_closure_is_its_free_expansion() -> None:
@@ -188,7 +188,7 @@ def test_a_seal_that_grows_evenly_only_changes_its_scale() -> None:
     """Both bodies together open the gap by strain times gap and a rigid motion: nothing but another scale."""
     model, strain = model_of(), 2e-3
     both = sum(
-        body.held.trace @ body.held.normal_displacement(grown(body, strain))
+        body.fem.trace @ body.fem.normal_displacement(grown(body, strain))
         for body in (model.closure, model.seat)
     )
     way = model.line.normal[1]
@@ -739,7 +739,7 @@ def test_a_slab_of_two_metals_with_convection_and_a_contact_conductance() -> Non
     flux = 200 / resistances.sum()
     heat = flux * np.pi * (OUTER**2 - INNER**2)
     assert found.heat == pytest.approx({"top": heat, "bottom": -heat}, rel=1e-10)
-    assert found.across == pytest.approx(heat, rel=1e-10)
+    assert found.contact_heat == pytest.approx(heat, rel=1e-10)
     drops = 500 - flux * np.cumsum(resistances)
     assert found.faces == pytest.approx({"closure": drops[1], "seat": drops[2]}, rel=1e-10)
     z = quadratic_nodes(mesh.closure)[0][:, 1]
@@ -768,7 +768,7 @@ def test_heat_across_a_contact_of_unequal_elements_converges() -> None:
         found = conduct(mesh, {"closure": CONDUCTING, "seat": POOR}, around, x, area)
         errors.append(abs(found.heat["top"] / heat - 1))
         assert found.heat["top"] == pytest.approx(-found.heat["bottom"], rel=1e-10)
-        assert found.heat["top"] == pytest.approx(found.across, rel=1e-10)
+        assert found.heat["top"] == pytest.approx(found.contact_heat, rel=1e-10)
     # of first order in the elements, by the points next to the kinks of the closure's trace: 2e-5 with 16 elements
     assert errors[-1] < 2e-5 and errors[-1] < errors[1] / 5
 
@@ -800,7 +800,7 @@ def test_a_cylinder_with_convection_converges_with_third_order() -> None:
         heat = 2 * np.pi * per_radian * 0.008
         assert sum(found.heat.values()) == pytest.approx(0.0, abs=1e-9 * heat)
     # nothing drives heat across the joint but what the meshes of both bodies differ in
-    assert abs(found.across) < 1e-8 * heat
+    assert abs(found.contact_heat) < 1e-8 * heat
     assert found.heat["inner"] == pytest.approx(heat, rel=1e-6)
     rates = np.diff(np.log(errors)) / np.log(0.5)
     assert rates[-1] == pytest.approx(3.0, abs=0.25)
@@ -998,7 +998,7 @@ def test_a_body_that_yields_by_its_press_fit_is_the_same_by_heat() -> None:
         heated(STEADY, soft, seat=held, temperature={"uniform": "120 degC", "housing": "20 degC"}, **more)
     )
     fitted = contact_of(heated(STEADY, soft, seat={**held, "interference": "25 um"}, **more))
-    assert fitted.states["seat"].plastic.accumulated.max() > 1e-4
+    assert fitted.states["seat"].plastic.accumulated_strain.max() > 1e-4
     assert hot.pressure == pytest.approx(fitted.pressure, rel=1e-6, abs=1e3)
 
 
@@ -1014,13 +1014,13 @@ def test_a_field_of_heat_makes_a_body_yield_as_it_would_by_its_stress() -> None:
     model = fem_seal.condense(seal, materials, None, heating.of_bodies(seal, materials))
     loads = BodyLoads({"heat": 1.0}, {"heat": 1.0})
     path = load_path(model, fem_seal.HardContact(), [PathLoad(1e3, loads)], at_rest=loads)
-    state = path.unloaded.before["seat"]
-    assert state.plastic.accumulated.max() > 1e-4
+    state = path.unloaded_bodies.initial_states["seat"]
+    assert state.plastic.accumulated_strain.max() > 1e-4
     solid = path.unloaded.bodies["seat"].solid
-    strain = at_quadrature_points(model.seat.held.mesh, model.seat.held.free_strain["heat"])
+    strain = at_quadrature_points(model.seat.fem.mesh, model.seat.fem.free_strain["heat"])
     # in balance without a force, and on the yield surface, by what the solid itself says of the strain
     flow = solid.respond(state.displacement, solid.virgin, strain)
     scale = np.abs(solid.internal_forces(np.abs(flow.stress))).max()
-    free = model.seat.held.free
+    free = model.seat.fem.free
     assert np.abs(solid.internal_forces(flow.stress)[free]).max() < 1e-8 * scale
-    assert flow.state.accumulated == pytest.approx(state.plastic.accumulated, abs=1e-9)
+    assert flow.state.accumulated_strain == pytest.approx(state.plastic.accumulated_strain, abs=1e-9)

@@ -159,7 +159,7 @@ def test_points_that_follow_explicitly_cost_no_steps(model, laws, monkeypatch):
     settings = [fem_seal.ContactSettings(), fem_seal.ContactSettings(1e-6, 1e-6)]
     asked = [(law, one) for law in laws for one in settings]
     found = [solve(model, law, contact_force=1257.0, settings=one) for law, one in asked]
-    monkeypatch.setattr(newton, "_MOST", newton._LEAST)
+    monkeypatch.setattr(newton, "_LARGEST_SHARE", newton._LEAST_SHARE)
     for (law, one), fewer in zip(asked, found, strict=True):
         coupled = solve(model, law, contact_force=1257.0, settings=one)
         assert fewer.iterations <= coupled.iterations
