@@ -89,7 +89,7 @@ def in_series(
     if not touches:
         raise ProfileError("no land touches: the seal is open")
     # chambers that an open land does not part are one, and those beside an end belong to it
-    chambers = [_chamber_pressures(given[p_in:p_out]) for p_in, p_out in pairwise(touches)]
+    chambers = [_chamber_pressures(given[begin:end]) for begin, end in pairwise(touches)]
     for end, part in ((inner, given[: touches[0]]), (outer, given[touches[-1] :])):
         _chamber_pressures([end, *part])
     pressures = chamber_pressures([contacts[n].flow for n in touches], inner, outer, chambers)
@@ -108,7 +108,7 @@ def in_series(
         lands.append(LandFlow(pressure[k], pressure[k + (n in touches)], abs(passes)))
         parts.setdefault(n, np.full(contact.points, pressure[k]))
     # what arrives at places without pressure
-    inflow = [-outwards[0], *(p_in - p_out for p_in, p_out in pairwise(outwards)), outwards[-1]]
+    inflow = [-outwards[0], *(a - b for a, b in pairwise(outwards)), outwards[-1]]
     leaves = sum(max(flow, 0.0) for flow, p in zip(inflow, pressure, strict=True) if p == 0.0)
     most = max(results, key=lambda result: result.leak_rate).scaled(leaves)
     drop = abs(inner - outer)
