@@ -300,9 +300,9 @@ class AtRest:
             expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
             fit = BodyLoads.press_fit(self.interference)
             return BodyLoads(expansion, fit.seat, temperature=self.temperatures)
-        seat = model.seat.held
+        seat = model.seat.fem
         wall = self.interference + self.heating.wall_motion(seat)
-        nodes = {body.held.name: body.held.temperature for body in (model.closure, model.seat)}
+        nodes = {body.fem.name: body.fem.temperature for body in (model.closure, model.seat)}
         return BodyLoads(
             {"heat": 1.0},
             {"heat": 1.0, **BodyLoads.press_fit(wall if len(seat.wall) else 0.0).seat},
