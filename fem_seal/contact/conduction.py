@@ -310,12 +310,12 @@ def _nodes_at_temperature(
     bodies: tuple[_Body, _Body], surroundings: Surroundings
 ) -> dict[str, NDArray[np.int64]]:
     """Nodes of each face that has a temperature itself; a corner between two such faces is one of the first."""
-    nodes_of_face: dict[str, NDArray[np.int64]] = {}
+    face_nodes: dict[str, NDArray[np.int64]] = {}
     closure, seat = bodies
     for name, face in surroundings.faces.items():
         if face.heat_transfer is None:
             nodes = np.concatenate([closure.nodes(name), closure.size + seat.nodes(name)])
-            nodes_of_face[name] = np.setdiff1d(
-                nodes, [node for others in nodes_of_face.values() for node in others]
+            face_nodes[name] = np.setdiff1d(
+                nodes, [node for others in face_nodes.values() for node in others]
             )
-    return nodes_of_face
+    return face_nodes
