@@ -237,8 +237,8 @@ def _solve_flattened_law(
             return _solution_of_state(problem, (v, d), len(residuals) - 1 + steps, residuals)
     return ConvergenceError(
         f"contact at axial force {problem.contact_force:.6g} N (line load {model.line_load(problem.contact_force):.6g} "
-        f"N/m) did not converge in {problem.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay "
-        "lengths, refine [mesh] contact_size or soften the interface law"
+        f"N/m) did not converge in {problem.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} "
+        "decay lengths, refine [mesh] contact_size or soften the interface law"
     )
 
 

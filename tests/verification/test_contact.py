@@ -317,7 +317,7 @@ def test_untouched_places_are_as_far_apart_as_the_bodies_leave_them() -> None:
     untouched = solution.pressure == 0.0
     opening = model.line.initial_gap - solution.approach * model.line.normal[1]
     for name, body in model.bodies.items():
-        opening = opening + body.held.trace @ body.held.normal_displacement(solution.moved[name][0])
+        opening = opening + body.fem.trace @ body.fem.normal_displacement(solution.moved[name][0])
     assert untouched.sum() > 10
     assert solution.gap[untouched] == pytest.approx(opening[untouched], rel=1e-8)
 
