@@ -1,25 +1,26 @@
-"""Sentences of the report from templates/words.toml, with their values filled in.
+"""Sentences of the report from templates/answers/, with their values filled in.
 
 The texts are data; the modules of the answers choose the sentences that a result needs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import re
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
-from fem_seal.units import current_display, fill_sentence
-from fem_seal.wording import environment
+from fem_seal.units import current_display
+from fem_seal.wording import environment, fill
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
 
 def prose() -> dict[str, Any]:
-    """The whole file: "definitions", "captions", "sources" and the other groups of sentences."""
+    """The whole file: "definitions", "tables", "sources" and the other groups."""
     return own_tables("words.toml")
 
 
@@ -54,20 +55,28 @@ def in_scenario(scenario: str, own: str, clause: str) -> str:
 
 
 def phrase(where: str, *parts: str, **values: object) -> str:
-    """Sentences of one table of the file, joined.
+    """Sentences of one table, joined.
 
     Parameters
     ----------
     where : str
-        The table, such as "captions.mesh".
+        File in templates/answers/ and what the names of its macros begin with, such as "captions.mesh".
     *parts : str
-        Keys of the sentences, in their order; empty ones are skipped.
+        The sentences, in their order; empty ones are skipped.
     **values
-        Values of the {names} in them, see `fill_sentence`.
+        Values of the {names} in them.
     """
     kind, name = where.split(".")
-    sentences = prose()[kind][name]
-    return " ".join(fill_sentence(sentences[part], values) for part in parts if part)
+    words = template(f"answers/{kind}.j2", escaped=False).module
+    macros = [getattr(words, re.sub(r"\W", "_", f"{name}_{part}")) for part in parts if part]
+    return " ".join(
+        macro(**{one: values[one] for one in macro.arguments if one in values}) for macro in macros
+    )
+
+
+def filled(text: str, values: Mapping[str, object]) -> str:
+    """A text of words.toml with its values."""
+    return fill(current_display(), text, **values)
 
 
 def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
@@ -80,11 +89,7 @@ def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -
     without : collection of str
         Names that are left out.
     **values
-        Values of the {names} in both, see `fill_sentence`.
+        Values of the {names} in both.
     """
     rows = prose()["rows"][name]
-    return [
-        (fill_sentence(key, values), fill_sentence(text, values))
-        for key, text in rows.items()
-        if key not in without
-    ]
+    return [(filled(key, values), filled(text, values)) for key, text in rows.items() if key not in without]

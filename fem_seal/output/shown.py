@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import fill_sentence, prose
+from fem_seal.output.prose import filled, prose
 from fem_seal.seal.scenarios import BESIDE
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def worded_section(
     if not sentences:
         return None
     words = prose()["sections"][name]
-    captions = (fill_sentence(caption, values) for caption in words["captions"])
+    captions = (filled(caption, values) for caption in words["captions"])
     shown = tuple(zip(tables, captions, strict=True))
     return Section(name, words["title"], words["link"], sentences, words["pictures"], shown, words["files"])
 
@@ -144,6 +144,6 @@ def worded_table(
     """
     columns = {key: cell for key, cell in prose()["tables"][name].items() if key not in without}
     return ReadableTable(
-        tuple(fill_sentence(heading, values) for heading in columns),
-        tuple(tuple(fill_sentence(cell, {**values, **row}) for cell in columns.values()) for row in rows),
+        tuple(filled(heading, values) for heading in columns),
+        tuple(tuple(filled(cell, {**values, **row}) for cell in columns.values()) for row in rows),
     )

@@ -10,7 +10,7 @@ from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import fill_sentence, phrase, prose
+from fem_seal.output.prose import filled, phrase, prose
 from fem_seal.output.shown import Shown, worded_table
 from fem_seal.seal.load_result import highest_load, load_name
 from fem_seal.units import format_digits, percent
@@ -135,7 +135,7 @@ def _words(result: SealSolution, one: Measurement) -> dict[str, str]:
         "load": load,
         "what": ", ".join(accurate) + (f" at {load}" if load else ""),
         "measured": " and ".join([first.replace(" to ", " measured to "), *others]),
-        "instrument": fill_sentence(table["instrument"], length),
+        "instrument": filled(table["instrument"], length),
         "accuracy": ", ".join(accurate.values()),
         "source": table["source"],
         "after": "cannot be told" if one.left is None else format_digits(one.left, 2),

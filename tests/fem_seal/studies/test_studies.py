@@ -35,6 +35,8 @@ from fem_seal.studies.progress import Lines
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.session import run_study
 from fem_seal.studies.tables import Design
+from fem_seal.units import Display
+from fem_seal.wording import environment
 from meshes import Sizing
 
 CASE = EXAMPLES / "ball_cone.toml"
@@ -378,7 +380,8 @@ def test_every_message_is_asked_for_and_every_one_asked_for_is_there():
     problems = {name for name in own_tables("problems.toml") if name.startswith("study_")}
     assert set(re.findall(r'(?:problem|sentence)\(\s*"([^"]+)"', code)) == problems
     notes = re.findall(r'phrase\(\s*"studies.notes",\s*"([^"]+)"', code)
-    assert set(notes) == set(own_tables("words.toml")["studies"]["notes"])
+    words = environment(Display()).get_template("answers/studies.j2").module
+    assert {f"notes_{note}" for note in notes} == {name for name in vars(words) if name.startswith("notes_")}
 
 
 def test_a_distribution_that_leaves_the_range_of_its_entry():
