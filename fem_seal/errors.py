@@ -27,12 +27,11 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(
-        sign if sign.isprintable() or unicodedata.category(sign) == "Zs" else _sign_name(sign)
-        for sign in text
+        sign if sign.isprintable() or unicodedata.category(sign) == "Zs" else _escape(sign) for sign in text
     )
 
 
-def _sign_name(sign: str) -> str:
+def _escape(sign: str) -> str:
     number = ord(sign)
     return _SHORT.get(sign) or (f"\\u{number:04x}" if number < 0x10000 else f"\\U{number:08x}")
 

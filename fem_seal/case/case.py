@@ -224,9 +224,8 @@ class Case(CaseTables):
         if flange is not None:
             new["closure"] = flange
         if finish is not None and rough is not None:
-            new["roughness"] = {key: value for key, value in rough.items() if key != "seat"} | {
-                "closure": finish
-            }
+            new["roughness"] = {**rough, "closure": finish}
+            del new["roughness"]["seat"]
         lower = Case.__new__(Case)
         try:
             lower._read_tables(new)

@@ -490,21 +490,19 @@ def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
         classes = " or ".join(f'"{standard}"' for standard in STANDARDS)
         yield Problem("requirement.standard", f"is not known; known are {classes}", show(required.standard))
         return
-    class_pair, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
+    pair, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
     possible = classes_of(standard, gas=gas)
     if not possible:
         yield problem("requirement_standard_fluid", standard=standard, fluid=fluid)
-    elif class_pair is None or class_pair[1] not in possible:
+    elif pair is None or pair[1] not in possible:
         classes, class_name = ", ".join(possible), required.class_name
         if class_name is None:
             yield Problem("requirement.class", f"is missing; known are {classes}")
         else:
             words = {"standard": standard, "fluid": fluid, "known": classes}
             yield problem("requirement_class", **words, value=show(class_name))
-    elif class_pair[1] not in classes_of(
-        standard, gas=gas, rated_capacity=required.rated_capacity is not None
-    ):
-        yield problem("requirement_rated_capacity", name=class_pair[1], standard=standard)
+    elif pair[1] not in classes_of(standard, gas=gas, rated_capacity=required.rated_capacity is not None):
+        yield problem("requirement_rated_capacity", name=pair[1], standard=standard)
 
 
 def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[Problem]:

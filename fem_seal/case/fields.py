@@ -377,11 +377,8 @@ class OverTemperatureTable(Entry):
     def _schema(self) -> dict[str, Any]:
         # in short: it stands at every number of every material
         columns = {"temperature": {"type": "array"}, "value": {"type": "array"}}
-        element, table = (
-            self.element._schema,
-            {"type": "object", "properties": columns, "required": [*columns]},
-        )
-        return {"anyOf": [element, table]}
+        table = {"type": "object", "properties": columns, "required": [*columns]}
+        return {"anyOf": [self.element._schema, table]}
 
 
 # Of a table over temperature.

@@ -90,18 +90,16 @@ class MeasuredTrace(Table):
         body : str
             "closure" or "seat".
         """
-        sentences = []
+        lines = []
         if self.usable_waves < self.waves:
             gap = math.degrees(self.trace.widest_gap)
-            sentences.append(
-                sentence("few_waves", body=body, gap=gap, told=self.usable_waves, waves=self.waves)
-            )
+            lines.append(sentence("few_waves", body=body, gap=gap, told=self.usable_waves, waves=self.waves))
         waves = self.trace.waves(self.usable_waves)
         rest, height = self.trace.residual(waves), math.sqrt(sum(w.amplitude**2 for w in waves[1:]) / 2)
         if rest > height:
             heights = {"rest": 1e6 * rest, "height": 1e6 * height}
-            sentences.append(sentence("short_waves", body=body, told=self.usable_waves, **heights))
-        return sentences
+            lines.append(sentence("short_waves", body=body, told=self.usable_waves, **heights))
+        return lines
 
 
 class Scratch(Table):

@@ -141,7 +141,7 @@ def _name_and_unit(header: str) -> tuple[str, str]:
 def _measured_leak(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> MeasuredLeak:
     """A row of the table, by its columns: text and unit of the header."""
     changes: dict[str, Any] = {"requirement": None, "load.target_leak_rate": None}
-    has_sign = entries["leak_rate"][0].startswith("<")
+    less = entries["leak_rate"][0].startswith("<")
     for name, key in _KEYS.items():
         text, unit = entries.get(name, ("", ""))
         text = text.removeprefix("<").strip() if name == "leak_rate" else text
@@ -172,15 +172,11 @@ def _measured_leak(case: Case, line: int, entries: Mapping[str, tuple[str, str]]
     below = _ANSWERS.get(answer.lower())
     if below is None:
         raise InputError(problem("measured_below", line=line, value=answer))
-    if has_sign and answer and not below:
+    if less and answer and not below:
         raise InputError(problem("measured_twice", line=line, value=answer))
     # a load alone is no search for the force of a target
     return MeasuredLeak(
-        line,
-        row.replace({"load.target_leak_rate": None}),
-        rate,
-        _uncertainty(line, entries),
-        below or has_sign,
+        line, row.replace({"load.target_leak_rate": None}), rate, _uncertainty(line, entries), below or less
     )
 
 

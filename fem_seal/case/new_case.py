@@ -287,14 +287,14 @@ def up_to(set_pressure: str) -> str | None:
     return ", ".join(_times(set_pressure, share) for share in (0.5, 0.8, 0.9))
 
 
-def required_class(text: str, words_of_class: str) -> dict[str, str]:
+def required_class(text: str, class_words: str) -> dict[str, str]:
     """Entries of [requirement] for a class that is given with or without its standard: "B", "FCI 70-2 V", "API 598".
 
     Parameters
     ----------
     text : str
         Of the case: its fluid and standard decide which classes there are.
-    words_of_class : str
+    class_words : str
 
     Raises
     ------
@@ -310,7 +310,7 @@ def required_class(text: str, words_of_class: str) -> dict[str, str]:
     by_standard = {standard: classes_of(standard, gas=gas) for standard in STANDARDS}
     entry = _entries(text).get("requirement.standard")
     first = standard_named(_plain(entry["value"])) if entry else None
-    words = words_of_class.strip()
+    words = class_words.strip()
     words_left = " ".join(re.sub(r"\b(class|rate)\b", "", words.lower()).split())
     for standard in sorted(by_standard, key=lambda standard: standard != first):
         for name in by_standard[standard]:
@@ -322,13 +322,11 @@ def required_class(text: str, words_of_class: str) -> dict[str, str]:
                 return {"requirement.standard": standard, "requirement.class": by_standard[standard][0]}
             classes = ", ".join(by_standard[standard])
             raise InputError.at(
-                "--class", f"names a standard and no class; {standard} has {classes}", show(words_of_class)
+                "--class", f"names a standard and no class; {standard} has {classes}", show(class_words)
             )
     names = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in by_standard.items() if names)
     raise InputError.at(
-        "--class",
-        f"is no class for {'a gas' if gas else 'a liquid'}; known are {names}",
-        show(words_of_class),
+        "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {names}", show(class_words)
     )
 
 

@@ -84,11 +84,8 @@ def new(
     else:
         new_case.read_text_case(text)
     _write(text, path)
-    sizes = [
-        f"{question.words} {value}"
-        for question, _, value in new_case.find_questions(text)
-        if question.name in _SIZES - options.keys()
-    ]
+    questions, open_sizes = new_case.find_questions(text), _SIZES - options.keys()
+    sizes = [f"{question.words} {value}" for question, _, value in questions if question.name in open_sizes]
     if sizes and options and not asks:
         scale = ", to the scale of what you gave" if {"bore", "diameter"} & options.keys() else ""
         say(f"From the template{scale}: {', '.join(sizes)}")

@@ -222,9 +222,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
             "throughputs": case.display_units[1],
-            "leak_rate_unit": None
-            if case.display_units[2] is None
-            else [case.display_units[2].name, case.display_units[2].size],
+            "leak_rate_unit": None if (unit := case.display_units[2]) is None else [unit.name, unit.size],
             "fluid": case.fluid.name if case.fluid else None,
             # limits of classes depend on the design
             "limit_m3_per_s": None if requirement is None or requirement.standard else requirement.leak_rate,

@@ -494,9 +494,7 @@ def _contact_ends(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
             yield caution("cut_off", load, loads, outside=large, lower=problem.contact.seat.label, **values)
 
 
-def _check_limit(
-    name: str, share: Callable[[LoadResult], float], limit: float, bound: float = math.inf
-) -> Check:
+def _limit(name: str, share: Callable[[LoadResult], float], limit: float, bound: float = math.inf) -> Check:
     """Check of a number of each load: doubtful above `limit`, outside the theory above `bound`."""
 
     def check(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -531,12 +529,10 @@ def _shift_by_gap(load: LoadResult) -> float:
     return slope * _gap_at_peak(load)
 
 
-_turning = _check_limit("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
-_wide = _check_limit(
-    "wide_contact", lambda load: 2 * load.std / load.contact.model.initial_contact_radius, _NARROW
-)
-_thick_layer = _check_limit("thick_layer", _gap_over_radius, _THICK_LAYER, _NO_LAYER)
-_slides = _check_limit("steep_seat", _shift_by_gap, _SLIDES)
+_turning = _limit("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
+_wide = _limit("wide_contact", lambda load: 2 * load.std / load.contact.model.initial_contact_radius, _NARROW)
+_thick_layer = _limit("thick_layer", _gap_over_radius, _THICK_LAYER, _NO_LAYER)
+_slides = _limit("steep_seat", _shift_by_gap, _SLIDES)
 
 
 def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
