@@ -80,20 +80,18 @@ AXES = {
         r"\b[Rr]eadings?\b|\bReading",
         ("answers/calibration.py", "answers/conflict.py", "output/calibration.py"),
     ),
-    # the two flanges of a gasket
+    # the two flanges of a gasket; not the parts of a seal, through which the others loop: contacts that are solved by
+    # themselves and leak side by side, whatever they are
     "face": Axis(
         (
             r"lower_half",
-            r"of_faces?$",
-            r"contact_loads",
-            r"^halves$",
-            r"both_faces?$",
-            r"with_faces",
-            r"(lower|upper)_flange",
-            r"upper_share",
             r"of_all_faces",
+            r"(lower|upper)_flange",
+            r"unlike_flanges",
+            r"GasketLoad",
+            r"upper_share",
         ),
-        r"lower_half|of_faces|contact_loads|lower flange",
+        r"lower_half|GasketLoad|lower flange",
     ),
     # loads that the seal has carried before
     "memory": Axis(

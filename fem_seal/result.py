@@ -18,7 +18,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError
 from fem_seal.processes import returned_memory
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import problems_of
 from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
@@ -392,7 +392,7 @@ def applied_force_for_leak(case: CaseSource, target_leak_rate: float | None = No
     >>> fem_seal.applied_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
-    loads = target.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
+    loads = target.contacts_at_target(problems_of(case_of(case)), target_leak_rate)
     return np.array([load.applied_force for load in loads])
 
 
@@ -424,8 +424,8 @@ def blow_off_pressures(case: CaseSource) -> FloatArray:
     >>> print(f"{fem_seal.blow_off_pressures(against)[0] / 1e5:.1f} bar")
     31.8 bar
     """
-    halves = SealProblem.of(case_of(case)).halves
-    return np.asarray(np.min([opening.blow_off_pressures(half) for half in halves], axis=0))
+    problems = problems_of(case_of(case))
+    return np.asarray(np.min([opening.blow_off_pressures(problem) for problem in problems], axis=0))
 
 
 def direct(

@@ -239,4 +239,5 @@ ACCURACY = Answer[Accuracy](
     _compute,
     Accuracy(),
     of_load=lambda load, number, found: load.with_values(mesh_error=found.error),
+    of_part=True,
 )

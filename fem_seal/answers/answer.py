@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal
+from fem_seal.answers.case_load import CaseLoad, Prepare, SolvedSeal, case_loads, model_as_it_is
+from fem_seal.answers.two_flanges import load_of_parts
 from fem_seal.errors import OutputError, error_text
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver
+
+if TYPE_CHECKING:
+    from fem_seal.seal.evaluate import Evaluation
+    from fem_seal.seal.problem import SealProblem
 
 T = TypeVar("T")
 Load = TypeVar("Load", bound=LoadResult)
@@ -88,6 +93,32 @@ class OptionalSteps:
         )
 
 
+def loads_of(evaluations: Sequence[Evaluation], prepare: Prepare = model_as_it_is) -> list[CaseLoad]:
+    """Loads of the evaluations of a seal, with the scenarios that share their contacts.
+
+    Parameters
+    ----------
+    evaluations : sequence of Evaluation
+    prepare : callable
+        See `case_loads`.
+    """
+    first, *others = (case_loads(evaluation.problem, evaluation.loads, prepare) for evaluation in evaluations)
+    return list(map(load_of_parts, zip(first, *others, strict=True))) if others else first
+
+
+def with_scenarios(problems: Sequence[SealProblem], load: CaseLoad) -> CaseLoad:
+    """A load of a seal with the scenarios that share its contacts.
+
+    Parameters
+    ----------
+    problems : sequence of SealProblem
+        Of its parts.
+    load : CaseLoad
+    """
+    parts = zip(problems, load.parts, strict=True)
+    return load_of_parts([case_loads(problem, [part])[0] for problem, part in parts])
+
+
 @dataclass(frozen=True)
 class Request:
     """What an answer may use besides the solved seal.
@@ -152,6 +183,8 @@ class Answer(Generic[T]):
         Field of the request that asks for it; empty of an answer that follows from the case alone.
     needs_unrequested : tuple of str
         As `needs`, where that field is None.
+    of_part : bool
+        Whether it follows from one contact, and is asked of each part of a seal by itself, before all others.
     """
 
     name: str
@@ -165,6 +198,7 @@ class Answer(Generic[T]):
     needs: tuple[str, ...] = ()
     asked_by: str = ""
     needs_unrequested: tuple[str, ...] = ()
+    of_part: bool = False
 
     def is_asked_of(self, seal: SolvedSeal, request: Request) -> bool:
         """Whether it applies to a solved seal.

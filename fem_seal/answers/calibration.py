@@ -19,8 +19,8 @@ import numpy as np
 
 from fem_seal.answers import measurements
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Request
-from fem_seal.answers.case_load import CaseLoad, solved_seal
+from fem_seal.answers.answer import Request, loads_of
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.conflict import Conflict, Data, conflict_of, data_p_value
 from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.leakage_class import limits
@@ -40,11 +40,11 @@ from fem_seal.case.tables import Uncertainty, curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, SealError
 from fem_seal.sampling import sobol_points
-from fem_seal.seal.evaluate import SILENT, evaluate
+from fem_seal.seal.evaluate import SILENT, evaluate_seal
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.load_solver import Clock, Progress
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import SealProblem, problems_of
 from fem_seal.seal.scenarios import TEST_GAS, with_own_contacts
 from fem_seal.validity.checks import validity_of
 
@@ -229,7 +229,8 @@ def _group(
         If a draw is blown open or no polynomial can be found.
     """
     case = warmed(case)
-    seal = solved_seal(evaluate(SealProblem.of(case), clock=Clock(progress)), case)
+    evaluations = evaluate_seal(problems_of(case), clock=Clock(progress))
+    seal = SolvedSeal.of(evaluations, case, loads_of(evaluations))
     leaks = [[one.leak for one in (load, *load.others.values())] for load in seal.loads]
     own = np.array([[math.nan if one is None else one.leak_rate for one in of_load] for of_load in leaks]).T
     log_rate, slack = _logarithm(own)[:, :, None].repeat(_DRAWS, axis=2), 0.0
@@ -426,8 +427,10 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
     """The loads of a case with the interval that a test has left of each, and what is said of its requirement."""
     progress("verdict after the test")
     case = warmed(case)
-    found = evaluate(SealProblem.of(case))
-    seal = answered(solved_seal(found, case), Request(found.solver, SILENT), [ACCURACY, OPENING])
+    found = evaluate_seal(problems_of(case))
+    seal = answered(
+        SolvedSeal.of(found, case, loads_of(found)), Request(found[0].solver, SILENT), [ACCURACY, OPENING]
+    )
     outside, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
     shares = outside, 0.5, 1.0 - outside
     for load, own in zip(seal.loads, y.T, strict=True):

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Self, TypeVar
 import numpy as np
 
 from fem_seal.answers.judgement import BoltState, LoadVerdict, PassProbability, Verdict, VerdictForce
-from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.findings import (
     AGREE,
     DIRECT_SCATTER,
@@ -25,14 +24,7 @@ from fem_seal.seal.findings import (
     Level,
     Validity,
 )
-from fem_seal.seal.load_result import (
-    DiscretisationError,
-    LoadResult,
-    MissingLoad,
-    highest_load,
-    in_order,
-    strongest_load,
-)
+from fem_seal.seal.load_result import LoadResult, MissingLoad, highest_load, in_order, strongest_load
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact, names
 from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth, share_text
 
@@ -193,25 +185,35 @@ class CaseLoad(LoadResult):
         )
 
     @property
-    def contact_loads(self) -> tuple[CaseLoad, ...]:
-        """The load on each contact that is another: its own, or of a gasket with two different flanges that of each."""
+    def parts(self) -> tuple[CaseLoad, ...]:
+        """The load on each contact that is solved by itself and that leaks beside the others; of most seals itself."""
         return (self,)
 
-    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], whole: Whole) -> Validity:
-        """What a check says of it, given its problem or evaluation.
+    def with_parts(self, parts: Sequence[CaseLoad]) -> CaseLoad:
+        """The same load, of whose parts more is known.
+
+        Parameters
+        ----------
+        parts : sequence of CaseLoad
+        """
+        (load,) = parts
+        return load
+
+    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], wholes: Sequence[Whole]) -> Validity:
+        """What a check says of it, given the problem or the evaluation of each of its parts.
 
         Parameters
         ----------
         check : callable
-        whole : SealProblem or Evaluation
+        wholes : sequence of SealProblem or Evaluation
         """
+        (whole,) = wholes
         return check(whole, self)
 
     @property
-    def named_bodies(self) -> dict[str, tuple[CaseLoad, str]]:
-        """By the name of each body the load on its contact, and its name there: "closure" of "lower closure"."""
-        halves = zip(("", "lower "), self.contact_loads, strict=False)
-        return {f"{half}{name}": (load, name) for half, load in halves for name in ("closure", "seat")}
+    def named_bodies(self) -> dict[str, tuple[int, str]]:
+        """By the name of each body the number of its part, and its name there."""
+        return {name: (0, name) for name in ("closure", "seat")}
 
     @property
     def zones(self) -> dict[str, YieldedZone | PlasticZone | None]:
@@ -219,8 +221,8 @@ class CaseLoad(LoadResult):
         # the check of a case loads no finite elements
         from fem_seal.contact.solution import yielding_of
 
-        beyond = {load: yielding_of(load.contact) for load in self.contact_loads}
-        return {name: beyond[load].get(body) for name, (load, body) in self.named_bodies.items()}
+        beyond = [yielding_of(load.contact) for load in self.parts]
+        return {name: beyond[number].get(body) for name, (number, body) in self.named_bodies.items()}
 
     def __repr__(self) -> str:
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
@@ -433,125 +435,26 @@ class CaseLoad(LoadResult):
         return None if self.verdict_force is None else self.verdict_force.force
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class GasketLoad(CaseLoad):
-    """A load of a gasket between two different flanges: it leaks through both faces, half of it as with each alone.
-
-    All that is no leak rate is that of the upper one.
-
-    Parameters
-    ----------
-    of_faces : tuple of CaseLoad
-        The same load with the upper and with the lower flange on both faces.
-    """
-
-    of_faces: tuple[CaseLoad, ...] = ()
-
-    @classmethod
-    def joined(cls, upper: CaseLoad, *lower: CaseLoad) -> CaseLoad:
-        """The load with what is known of each face; of alike ones itself.
-
-        Parameters
-        ----------
-        upper, *lower : CaseLoad
-        """
-        if not lower:
-            return upper
-        known = {field.name: getattr(upper, field.name) for field in fields(CaseLoad)}
-        return cls(**known).with_faces(upper, *lower)
-
-    def with_faces(self, upper: CaseLoad, lower: CaseLoad) -> Self:
-        """The same load, of whose faces more is known.
-
-        Parameters
-        ----------
-        upper, lower : CaseLoad
-        """
-        made = self.with_values(of_faces=(upper, lower))
-        margins = [face.opening for face in (upper, lower) if face.opening is not None]
-        opens = [face.blow_off_pressure for face in (upper, lower) if face.blow_off_pressure is not None]
-        scenarios: dict[str, CaseLoad] = {}
-        for name, face in upper.scenarios.items():
-            known, below = self.scenarios.get(name), lower.scenarios.get(name)
-            if below is not None and isinstance(known, GasketLoad):
-                scenarios[name] = known.with_faces(face, below)
-            elif below is not None:
-                scenarios[name] = GasketLoad.joined(face, below)
-        return made.with_values(
-            effective_radius=upper.effective_radius,
-            blow_off_pressure=min(opens, default=None),
-            opening=min(margins, key=lambda margin: margin.share, default=None),
-            validity=joined_validity(upper.validity, lower.validity, made.upper_share),
-            mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, made.upper_share),
-            scenarios=scenarios,
-        )
-
-    @property
-    def contact_loads(self) -> tuple[CaseLoad, ...]:
-        """The load with each of two different flanges."""
-        return self.of_faces
-
-    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], whole: Whole) -> Validity:
-        """That of both faces, each off by its own share of the leak."""
-        upper, lower = map(check, whole.halves, self.of_faces)
-        return joined_validity(upper, lower, self.upper_share)
-
-    def upper_share(self) -> float:
-        """Share of the upper face in the leak; a half without a leak rate."""
-        upper, lower = (face.leak for face in self.of_faces)
-        return 0.5 if upper is None or lower is None else share_of(upper, lower)
-
-    @cached_property
-    def leak(self) -> LeakResult | None:
-        """The mean of both faces, where it flows that of the upper one; None without roughness or fluid."""
-        upper, lower = (face.leak for face in self.of_faces)
-        return None if upper is None or lower is None else mean_leak(upper, lower)
-
-    @cached_property
-    def leak_before_sealing(self) -> float:
-        """What leaks at most where the percolation threshold decides, in the mean of both faces [m^3/s]."""
-        return 0.5 * sum(face.leak_before_sealing for face in self.of_faces)
-
-    @cached_property
-    def unsealed(self) -> tuple[float, float]:
-        """What flows through open bore and rough gap, in the mean of both faces [m^3/s]."""
-        upper, lower = (face.unsealed for face in self.of_faces)
-        return 0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])
-
-    @cached_property
-    def flow_error(self) -> FlowError | None:
-        """That of the face that decides."""
-        return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
-
-
-def _joined_error(
-    upper: DiscretisationError | None, lower: DiscretisationError | None, share: Callable[[], float]
-) -> DiscretisationError | None:
-    """Of two different faces, of which the upper one has a share in the leak."""
-    if upper is None or lower is None:
-        return upper or lower
-    peak, fwhm, std = (
-        max(getattr(upper, key), getattr(lower, key)) for key in ("peak_pressure", "fwhm", "std")
-    )
-    rate = upper.leak_rate
-    if rate is not None and lower.leak_rate is not None:
-        rate = share() * rate + (1.0 - share()) * lower.leak_rate
-    return DiscretisationError(peak, fwhm, std, rate)
-
-
 _NINE_OF_TEN = 0.05, 0.95
 AnyLoad = CaseLoad | MissingLoad
 Prepare = Callable[[str, "LeakModel"], "LeakModel"]
 
 
-def _as_it_is(name: str, model: LeakModel) -> LeakModel:
+def model_as_it_is(name: str, model: LeakModel) -> LeakModel:
+    """The surfaces and the fluid of a scenario, with nothing worked out; see `case_loads`.
+
+    Parameters
+    ----------
+    name : str
+    model : LeakModel
+    """
     return model
 
 
 def case_loads(
     problem: SealProblem,
     loads: Sequence[LoadResult],
-    prepare: Prepare = _as_it_is,
+    prepare: Prepare = model_as_it_is,
 ) -> list[CaseLoad]:
     """Loads of a problem with the scenarios that share their contacts.
 
@@ -562,10 +465,6 @@ def case_loads(
     prepare : callable
         Given the name of a scenario, its surfaces and its fluid: may work out what all loads share.
     """
-    if any(isinstance(load, GasketLoad) for load in loads):
-        faces = zip(*(load.contact_loads for load in loads if isinstance(load, GasketLoad)), strict=True)
-        each = zip(problem.halves, faces, strict=True)
-        return list(map(GasketLoad.joined, *(case_loads(half, own, prepare) for half, own in each)))
     # a load that comes again is the same one, and so is its leak rate
     different = {id(load): load for load in loads}
     models = {id(load.rough): load.rough for load in loads}
@@ -573,21 +472,6 @@ def case_loads(
     known = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
     made = dict(zip(different, _beside(problem, known, prepare), strict=True))
     return [made[id(load)] for load in loads]
-
-
-def loads_of(evaluation: Evaluation, prepare: Prepare = _as_it_is) -> list[CaseLoad]:
-    """Loads of an evaluation with the scenarios that share their contacts, through all faces together.
-
-    Parameters
-    ----------
-    evaluation : Evaluation
-    prepare : callable
-        See `case_loads`.
-    """
-    solved = zip(evaluation.problem.halves, evaluation.halves, strict=True)
-    return list(
-        map(GasketLoad.joined, *(case_loads(problem, half.loads, prepare) for problem, half in solved))
-    )
 
 
 def _beside(
@@ -632,7 +516,7 @@ class SolvedSeal:
     case : Case
         Without the loads that could not be calculated.
     problem : SealProblem
-        The same as the calculation knows it.
+        The same as the calculation knows it; of several the first one.
     seal_mesh : SealMesh
     model : ContactModel
     loads : tuple of CaseLoad
@@ -643,8 +527,8 @@ class SolvedSeal:
         The other loads of the case.
     said_of_missing : tuple of Finding
         Why, in words.
-    lower_half : SolvedSeal or None
-        With the lower flange on both faces of a gasket; None where the flanges are alike.
+    other_parts : tuple of SolvedSeal
+        The seal with each further contact that is solved by itself.
     """
 
     case: Case
@@ -655,7 +539,35 @@ class SolvedSeal:
     unloaded: UnloadedBodies | None = None
     not_calculated: tuple[MissingLoad, ...] = ()
     said_of_missing: tuple[Finding, ...] = ()
-    lower_half: SolvedSeal | None = None
+    other_parts: tuple[SolvedSeal, ...] = ()
+
+    @classmethod
+    def of(cls, evaluations: Sequence[Evaluation], case: Case, loads: Sequence[CaseLoad]) -> SolvedSeal:
+        """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
+
+        Parameters
+        ----------
+        evaluations : sequence of Evaluation
+            Of each part of the case.
+        case : Case
+            Without the loads that could not be calculated.
+        loads : sequence of CaseLoad
+            Of the evaluations.
+        """
+        first, *others = (
+            SolvedSeal(
+                part,
+                evaluation.problem,
+                evaluation.seal_mesh,  # type: ignore[arg-type]
+                evaluation.model,
+                of_part,
+                evaluation.solved.unloaded,
+            )
+            for part, evaluation, of_part in zip(
+                case.parts, evaluations, zip(*(load.parts for load in loads), strict=True), strict=True
+            )
+        )
+        return replace(first, loads=tuple(loads), other_parts=tuple(others))
 
     @property
     def missing(self) -> dict[tuple[float, float], LoadProblem]:
@@ -668,35 +580,43 @@ class SolvedSeal:
         return in_order([*self.loads], self.not_calculated, lambda one: one)
 
     @property
-    def faces(self) -> tuple[SolvedSeal, ...]:
-        """The seal with each of two different flanges on both faces; only itself where they are alike."""
-        if self.lower_half is None:
+    def parts(self) -> tuple[SolvedSeal, ...]:
+        """The seal with each contact that is solved by itself and that leaks beside the others; of most itself."""
+        if not self.other_parts:
             return (self,)
-        upper, lower = zip(*(load.contact_loads for load in self.loads), strict=True)
+        first, *others = zip(*(load.parts for load in self.loads), strict=True)
         known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
         return (
-            SolvedSeal(**{**known, "loads": upper, "lower_half": None}),
-            replace(self.lower_half, loads=lower),
+            SolvedSeal(**{**known, "loads": first, "other_parts": ()}),
+            *(replace(part, loads=loads) for part, loads in zip(self.other_parts, others, strict=True)),
         )
 
     @property
-    def imprints(self) -> dict[str, Imprint]:
-        """Lasting imprints by body; "lower closure" and "lower seat" are another lower flange and its half."""
-        faces = zip(("", "lower "), (self, self.lower_half), strict=True)
-        known = [(face, one.unloaded) for face, one in faces if one is not None and one.unloaded is not None]
-        return {f"{face}{name}": imprint for face, one in known for name, imprint in one.imprints.items()}
+    def problems(self) -> tuple[SealProblem, ...]:
+        """The problem of each of its parts, see `fem_seal.seal.problem.problems_of`."""
+        return (self.problem, *(part.problem for part in self.other_parts))
 
-    def with_faces(self, upper: SolvedSeal, lower: SolvedSeal) -> Self:
-        """The same seal, of whose two faces more is known.
+    @property
+    def imprints(self) -> dict[str, Imprint]:
+        """Lasting imprints by the name of the body, see `CaseLoad.named_bodies`."""
+        unloaded = [part.unloaded for part in (self, *self.other_parts)]
+        return {
+            name: after.imprints[body]
+            for name, (number, body) in self.loads[0].named_bodies.items()
+            if (after := unloaded[number]) is not None and body in after.imprints
+        }
+
+    def with_parts(self, parts: Sequence[SolvedSeal]) -> Self:
+        """The same seal, of whose parts more is known.
 
         Parameters
         ----------
-        upper, lower : SolvedSeal
-            Its `faces`.
+        parts : sequence of SolvedSeal
+            Its `parts`.
         """
-        each = zip(self.loads, upper.loads, lower.loads, strict=True)
-        loads = (load.with_faces(*faces) for load, *faces in each if isinstance(load, GasketLoad))
-        return replace(self, loads=tuple(loads), lower_half=lower)
+        each = zip(self.loads, *(part.loads for part in parts), strict=True)
+        loads = tuple(load.with_parts(of_parts) for load, *of_parts in each)
+        return replace(self, loads=loads, other_parts=tuple(parts[1:]))
 
     def with_loads(self, loads: Sequence[CaseLoad]) -> Self:
         """The same seal, whose loads know more."""
@@ -736,30 +656,6 @@ class SolvedSeal:
     def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
         """`CaseLoad.leak_interval` of each load [m^3/s]; None where nothing makes one."""
         return tuple(load.leak_interval if load.has_interval else None for load in self.loads)
-
-
-def solved_seal(evaluation: Evaluation, case: Case, loads: Sequence[CaseLoad] | None = None) -> SolvedSeal:
-    """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
-
-    Parameters
-    ----------
-    evaluation : Evaluation
-    case : Case
-        Without the loads that could not be calculated.
-    loads : sequence of CaseLoad, optional
-        Those of the evaluation, where they are made already.
-    """
-    own = loads_of(evaluation) if loads is None else loads
-    lower = evaluation.lower_half
-    return SolvedSeal(
-        case,
-        evaluation.problem,
-        evaluation.seal_mesh,  # type: ignore[arg-type]
-        evaluation.model,
-        tuple(own),
-        evaluation.solved.unloaded,
-        lower_half=None if lower is None else solved_seal(lower, case.halves[-1]),
-    )
 
 
 def _add_doubts(validity: Validity, mesh_error: float | None, own_error: Bounds) -> Validity:

@@ -10,9 +10,9 @@ from functools import partial
 from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, OptionalSteps, Request
+from fem_seal.answers.answer import Answer, OptionalSteps, Request, loads_of
 from fem_seal.answers.bolts import BOLTS
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of, solved_seal
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.closed_forms import foreseen
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
@@ -32,13 +32,13 @@ from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
-from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.evaluate import evaluate_seal
 from fem_seal.seal.findings import not_calculated
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import format_quantity
 from leak import LeakError
@@ -174,20 +174,20 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
         case = warmed(case) if case.conducts_heat else case
-        whole = SealProblem.of(case)
+        problems = problems_of(case)
+        whole = problems[0]
         _ = whole.law  # made once for each surface, and here, where it is timed
     for text in foreseen(whole) if told else ():
         clock.progress(text)
     _simulate(whole, clock)
     refused = whole.loads.refused
-    # the problem itself keeps its law
-    problem = replace(whole, loads=whole.loads.without(refused)) if refused else whole
-    found = evaluate(problem, clock=clock)
-    problem, solved = found.problem, found.solved
+    if refused:  # else the problems keep their laws
+        problems = under_loads(problems, whole.loads.without(refused))
+    found = evaluate_seal(problems, clock=clock)
     kept = [number for number in range(len(whole.loads.points)) if number not in refused]
-    unsolved = {kept[number]: one for number, one in solved.problems.items()}
+    unsolved = {kept[number]: one for number, one in found[0].solved.problems.items()}
     missing = {**refused, **unsolved}
-    for error in [half.solved.not_unloaded for half in found.halves if half.solved.not_unloaded][:1]:
+    for error in [part.solved.not_unloaded for part in found if part.solved.not_unloaded][:1]:
         steps.name_failure("residual stress and imprint", error)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
@@ -196,13 +196,13 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
-            for same in zip(*(load.contact_loads for load in loads), strict=True):
+            for same in zip(*(load.parts for load in loads), strict=True):
                 move_together([load.contact for load in same])
         loads = tuple(
             _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
     return replace(
-        solved_seal(found, case.without_loads(missing), loads),
+        SolvedSeal.of(found, case.without_loads(missing), loads),
         not_calculated=tuple(
             MissingLoad(number, *whole.loads.points[number], missing[number], whole.loads.bolts is not None)
             for number in sorted(missing)

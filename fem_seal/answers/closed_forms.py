@@ -33,7 +33,7 @@ from fem_seal.loads import (
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.findings import not_calculated, sentence
-from fem_seal.seal.problem import SealFlow, SealProblem, exponential_law, sizing
+from fem_seal.seal.problem import SealProblem, exponential_law, problems_of, sizing
 from fem_seal.units import fixed_quantity, fixed_unit, short_quantity
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
@@ -147,17 +147,17 @@ def derive(case: CaseSource) -> Derived:
     >>> print(f"{derived.initial_contact_radius * 1e3:.2f} mm, {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
     14.14 mm, 192 MPa
     """
-    return derive_problem(SealProblem.of(case_of(case)))
+    return derive_problems(problems_of(case_of(case)))
 
 
-def derive_problem(problem: SealProblem) -> Derived:
-    """`derive` of a problem.
+def derive_problems(problems: Sequence[SealProblem]) -> Derived:
+    """`derive` of the problems of a seal.
 
     Parameters
     ----------
-    problem : SealProblem
+    problems : sequence of SealProblem
     """
-    return _derived(problem, [None] * len(problem.loads.points))
+    return _derived(problems, [None] * len(problems[0].loads.points))
 
 
 def derive_beside(result: SolvedSeal) -> Derived:
@@ -170,14 +170,14 @@ def derive_beside(result: SolvedSeal) -> Derived:
     if result.of_profile:
         return derive(result.case)
     held = [load.contact_force if load.stop_force else None for load in result.loads]
-    return _derived(SealProblem.of(result.case), held)
+    return _derived(problems_of(result.case), held)
 
 
-def _derived(problem: SealProblem, held: Sequence[float | None]) -> Derived:
-    """Of a contact force F_N for each load [N], or of the one that is expected."""
-    surface = problem.surface
+def _derived(problems: Sequence[SealProblem], held: Sequence[float | None]) -> Derived:
+    """Of a contact force F_N for each load [N], or of the one that is expected; of several problems the first one's."""
+    problem, surface = problems[0], problems[0].surface
     loads = tuple(
-        _derive_load(problem, *point, force, profiles=number not in problem.loads.refused)
+        _derive_load(problems, *point, force, profiles=number not in problem.loads.refused)
         for number, (point, force) in enumerate(zip(problem.loads.points, held, strict=True))
     )
     decay_length, law_pressure = exponential_law(problem.interface, surface)
@@ -274,9 +274,14 @@ def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
 
 
 def _derive_load(
-    problem: SealProblem, fluid_pressure: float, applied_force: float, held: float | None, *, profiles: bool
+    problems: Sequence[SealProblem],
+    fluid_pressure: float,
+    applied_force: float,
+    held: float | None,
+    *,
+    profiles: bool,
 ) -> DerivedLoad:
-
+    problem = problems[0]
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
     side = problem.loads.pressure_side
@@ -294,7 +299,7 @@ def _derive_load(
         gaussian=leak.gaussian_line(f, R, decay_length) if decay_length else None,
         crossover=leak.crossover_line(f, R, E, decay_length) if decay_length else None,
         blow_off_pressure=blow_off_of_sealed_area(r0, applied_force) if side == "inner" else None,
-        force_for_target=_force_for_target(problem, fluid_pressure),
+        force_for_target=_force_for_target(problems, fluid_pressure),
     )
 
 
@@ -313,17 +318,17 @@ def _decay_length(problem: SealProblem, line_load: float) -> float | None:
     return u0
 
 
-def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | None:
-    target = problem.loads.target_leak_rate
+def _force_for_target(problems: Sequence[SealProblem], fluid_pressure: float) -> float | None:
+    problem, target = problems[0], problems[0].loads.target_leak_rate
     if target is None:
         return None
-    from fem_seal.answers.target import expected_contact_force
+    from fem_seal.answers.target import expected_contact_force, flows_of
 
-    flow = SealFlow.of(problem)
-    if flow is None:
+    flows = flows_of(problems)
+    if not flows:
         return None
     try:
-        force = expected_contact_force(flow, fluid_pressure, target)
+        force = expected_contact_force(flows, fluid_pressure, target)
     except InputError:
         return None
     return force - contact_force(
@@ -396,7 +401,7 @@ def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[s
         Of the same problem.
     """
     yield from (one.text for one in not_calculated(problem.loads, problem.loads.refused))
-    yield from yielding(problem, derived or derive_problem(problem))
+    yield from yielding(problem, derived or derive_problems([problem]))
 
 
 def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = False) -> float | None:

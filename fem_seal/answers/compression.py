@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
@@ -83,11 +84,11 @@ class Compression:
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Compression:
-    upper, *lower = map(_of_both_faces, seal.faces)
-    return upper.mean(*lower) if lower else upper
+    first, *others = map(_of_part, seal.parts)
+    return reduce(Compression.mean, others, first)
 
 
-def _of_both_faces(seal: SolvedSeal) -> Compression:
+def _of_part(seal: SolvedSeal) -> Compression:
     # the half that is solved comes nearer to one of the faces
     faces, steps = seal.problem.faces, []
     model = seal.loads[-1].contact.model

@@ -109,7 +109,9 @@ def _of_load(load: CaseLoad, number: int, found: Findings) -> CaseLoad:
     return load.with_scenarios(scenarios).with_values(validity=validity)
 
 
-FINDINGS = Answer[Findings]("findings", "checks of the result", _compute, Findings(), of_load=_of_load)
+FINDINGS = Answer[Findings](
+    "findings", "checks of the result", _compute, Findings(), of_load=_of_load, of_part=True
+)
 
 
 def all_cautions(answers: Mapping[str, Any]) -> tuple[Finding, ...]:

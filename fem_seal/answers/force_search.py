@@ -7,12 +7,13 @@ everywhere; they differ in what is judged of a load. Places are logarithms of th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cache
 
-from fem_seal.answers.case_load import CaseLoad, GasketLoad
+from fem_seal.answers.case_load import CaseLoad
+from fem_seal.answers.two_flanges import load_of_parts
 from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, SealError
@@ -136,14 +137,15 @@ def _last_known(function: Falling, known: float, unknown: float) -> float:
     return known
 
 
-def sensible_forces(problem: SealProblem) -> tuple[float, float]:
+def sensible_forces(problems: Iterable[SealProblem]) -> tuple[float, float]:
     """Logarithms of the smallest and the largest force that a search tries, see `largest_force` [ln N].
 
     Parameters
     ----------
-    problem : SealProblem
+    problems : iterable of SealProblem
+        Of one seal.
     """
-    highest = math.log(largest_force(problem))
+    highest = math.log(min(map(largest_force, problems)))
     return highest + math.log(_LEAST), highest
 
 
@@ -154,7 +156,7 @@ class Trials:
     Parameters
     ----------
     solvers : sequence of LoadSolver
-        With each of two different flanges on both faces, or the only one.
+        Of each problem of the seal.
     fluid_pressure : float
         [Pa]
     progress : callable, optional
@@ -168,7 +170,7 @@ class Trials:
     """Those that were tried, by place and solver, or why they have no contact."""
 
     def load(self, place: float) -> CaseLoad:
-        """The load whose contact, of different faces that of the upper one, carries a force [ln N].
+        """The load whose contact, of several parts that of the first, carries a force [ln N].
 
         Raises
         ------
@@ -176,7 +178,7 @@ class Trials:
             If the fluid opens the seal.
         ConvergenceError
         """
-        return GasketLoad.joined(*self.of_each(place))
+        return load_of_parts(self.of_each(place))
 
     def of_each(self, place: float) -> tuple[CaseLoad, ...]:
         """The same load with each solver; see `load`."""
@@ -215,7 +217,7 @@ class Trials:
 
 
 def search_forces(
-    problem: SealProblem,
+    problems: Sequence[SealProblem],
     starts: Mapping[float, float],
     find: Callable[[Trials, float], Zero | None],
     progress: Progress | None = None,
@@ -224,7 +226,8 @@ def search_forces(
 
     Parameters
     ----------
-    problem : SealProblem
+    problems : sequence of SealProblem
+        Of one seal.
     starts : mapping
         Expected force F_N by fluid pressure [N], [Pa].
     find : callable
@@ -237,11 +240,10 @@ def search_forces(
     ConvergenceError, MeshingError
         See `fem_seal.contact.sizing.MeshFit.after`.
     """
-    loads, halves = problem.loads, problem.halves
-    expected = [*starts.values()]
+    loads, expected = problems[0].loads, [*starts.values()]
     if loads.unsolved_bolts is not None:
         # before the fluid acts they are as large as the preload
-        r0, side = problem.initial_contact_radius, loads.pressure_side
+        r0, side = problems[0].initial_contact_radius, loads.pressure_side
         expected += [force - contact_force(r0, at, 0.0, side) for at, force in starts.items()]
     sized_for = [share * force for force in expected if force > 0 for share in _MARGIN]
     begin = {pressure: math.log(force) for pressure, force in starts.items()}
@@ -251,15 +253,15 @@ def search_forces(
     def solve_on(wanted: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
         outcome: Sequence[Sequence[ContactSolution] | Exception]
         try:
-            made = {n: LoadSolver.on_mesh(halves[n], fit.sizing) for n, fit in wanted.items() if fit.sizing}
+            made = {n: LoadSolver.on_mesh(problems[n], fit.sizing) for n, fit in wanted.items() if fit.sizing}
             solvers.update(made)
             outcome = searched()
         except (MeshingError, ConvergenceError) as error:
-            outcome = [error] * len(halves)
+            outcome = [error] * len(problems)
         return {n: fit.with_outcome(outcome[n]) for n, fit in wanted.items()}
 
     def searched() -> list[list[ContactSolution]]:
-        own, ends = [solvers[n] for n in range(len(halves))], list[tuple[CaseLoad, ...]]()
+        own, ends = [solvers[n] for n in range(len(problems))], list[tuple[CaseLoad, ...]]()
         for pressure, place in begin.items():
             trials = Trials(own, pressure, progress)
             zero = find(trials, place)
@@ -273,8 +275,10 @@ def search_forces(
 
     fit_meshes(
         {
-            n: MeshFit.begin(sizing(half, sized_for), half.contact, size_given=half.contact_size is not None)
-            for n, half in enumerate(halves)
+            n: MeshFit.begin(
+                sizing(problem, sized_for), problem.contact, size_given=problem.contact_size is not None
+            )
+            for n, problem in enumerate(problems)
         },
         solve_on,
     )

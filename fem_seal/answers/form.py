@@ -278,7 +278,7 @@ def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
         return None
 
     trials = Trials([solver], load.fluid_pressure)
-    lowest, highest = sensible_forces(solver.problem)
+    lowest, highest = sensible_forces([solver.problem])
 
     def lacking(place: float) -> float:
         found = trials.load(place).circumference

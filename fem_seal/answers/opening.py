@@ -72,6 +72,7 @@ OPENING = Answer[tuple[Opening, ...]](
     (),
     of_load=lambda load, number, found: load.with_values(**vars(found[number])) if found else load,
     needs=("problem.loads.may_open",),
+    of_part=True,
 )
 
 

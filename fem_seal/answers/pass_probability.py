@@ -215,7 +215,7 @@ def _found(
     known_rates: KnownRates | None,
 ) -> list[PassProbability]:
     if settings is None:
-        sampled = Samples(seal, (), np.empty((1, 0)))
+        sampled = Samples.of_nothing(seal)
     else:
         many = settings.model_copy(update={"samples": max(settings.samples, _SAMPLES)})
         sampled = Samples.of(seal, many, known_rates)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from itertools import takewhile
+from itertools import chain, takewhile
 from operator import add
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of
+from fem_seal.answers.answer import loads_of
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import variables
 from fem_seal.arrays import FloatArray, IntArray
@@ -101,7 +102,7 @@ AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
 def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     """The uncertain inputs of a case, in the order of the table, then what a finish and too short scans leave open.
 
-    Of a lower flange of its own those follow that the upper one has not.
+    Those of a further part follow that no part before it has.
 
     Parameters
     ----------
@@ -109,13 +110,18 @@ def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     settings : Uncertainty
         Its table [uncertainty], or another one.
     """
-    own = _inputs_of_face(case, settings)
-    names = {uncertain.name for uncertain in own}
-    others = (uncertain for half in case.halves[1:] for uncertain in _inputs_of_face(half, settings))
-    return (*own, *(uncertain for uncertain in others if uncertain.name not in names))
+    return _different([_inputs_of_part(part, settings) for part in case.parts])
 
 
-def _inputs_of_face(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
+def _different(of_parts: Sequence[Sequence[AnyInput]]) -> tuple[AnyInput, ...]:
+    """Inputs of all parts; those of one name are one input."""
+    inputs: dict[str, AnyInput] = {}
+    for uncertain in chain.from_iterable(of_parts):
+        inputs.setdefault(uncertain.name, uncertain)
+    return tuple(inputs.values())
+
+
+def _inputs_of_part(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     inputs: list[AnyInput] = [
         UncertainInput(name, spread.distribution, spread.relative)
         for name, spread in settings.spreads.items()
@@ -273,19 +279,17 @@ class Samples:
     Parameters
     ----------
     seal : SolvedSeal
-    inputs : tuple
+    of_parts : tuple of tuple
+        Inputs of each part of the seal, with the same value where they have the same name.
     uniform : ndarray, shape (samples, dimensions)
         Numbers between 0 and 1.
-    of_faces : tuple of tuple
-        Inputs of each of two different flange faces, with the same value where they have the same name.
     calculated : KnownRates
         What has been calculated so far; samples of the same inputs with the same seed may share it.
     """
 
     seal: SolvedSeal
-    inputs: tuple[AnyInput, ...]
+    of_parts: tuple[tuple[AnyInput, ...], ...]
     uniform: FloatArray
-    of_faces: tuple[tuple[AnyInput, ...], ...] = ()
     calculated: KnownRates = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -305,22 +309,25 @@ class Samples:
         calculated : dict, optional
             Of samples of the same inputs with the same seed, however many: they are the first of these.
         """
-        inputs = uncertain_inputs(seal.case, settings)
-        of_faces = tuple(_inputs_of_face(face.case, settings) for face in seal.faces)[
-            : 2 if seal.lower_half else 0
-        ]
+        of_parts = tuple(_inputs_of_part(part.case, settings) for part in seal.parts)
+        inputs = _different(of_parts)
         if settings.posterior is None:
             dimensions = sum(uncertain.dimensions for uncertain in inputs)
             uniform = sobol_points(settings.samples, dimensions, settings.seed)
         else:
             columns = [name for each in inputs for name in columns_of(each.name, each.dimensions)]
             uniform = Posterior.read(settings.posterior).of_inputs(columns)
-        return cls(seal, inputs, uniform, of_faces, {} if calculated is None else calculated)
+        return cls(seal, of_parts, uniform, {} if calculated is None else calculated)
 
     @classmethod
     def of_nothing(cls, seal: SolvedSeal) -> Samples:
         """The only sample of a seal of which nothing is uncertain."""
-        return cls(seal, (), np.empty((1, 0)))
+        return cls(seal, ((),) * len(seal.parts), np.empty((1, 0)))
+
+    @cached_property
+    def inputs(self) -> tuple[AnyInput, ...]:
+        """All of them."""
+        return _different(self.of_parts)
 
     @property
     def follow_paths(self) -> bool:
@@ -335,7 +342,7 @@ class Samples:
     @property
     def of_finish(self) -> bool:
         """Whether a face has a finish, a factor of ten or more."""
-        roughness = [face.case.roughness for face in self.seal.faces]
+        roughness = [part.case.roughness for part in self.seal.parts]
         return any(each is not None and each.finishes for each in roughness)
 
     @cached_property
@@ -369,31 +376,25 @@ class Samples:
         first = sum(each.dimensions for each in takewhile(lambda each: each is not wanted, self.evaluated))
         return list(range(first, first + wanted.dimensions))
 
-    def problem(self, number: int) -> SealProblem:
-        """The problem of a sample, with the viscosity of the case."""
-        own, *below = (
-            sample_problem(face.problem, face.case, [(each, values[each.name][number]) for each in inputs])
-            for face, (inputs, values) in zip(self.seal.faces, self._drawn, strict=True)
+    def problems(self, number: int) -> tuple[SealProblem, ...]:
+        """The problems of a sample, one for each part of the seal, with the viscosity of the case."""
+        return tuple(
+            sample_problem(part.problem, part.case, [(each, values[each.name][number]) for each in inputs])
+            for part, inputs, values in zip(self.seal.parts, self.of_parts, self._drawn, strict=True)
         )
-        return replace(own, lower_half=below[0]) if below else own
 
     @cached_property
-    def _drawn(self) -> list[tuple[tuple[AnyInput, ...], dict[str, FloatArray]]]:
-        """Inputs of each face with their values."""
-        if not self.of_faces:
-            return [(self.inputs, self.values)]
+    def _drawn(self) -> list[dict[str, FloatArray]]:
+        """Values of the inputs of each part."""
         ends = np.cumsum([each.dimensions for each in self.inputs], dtype=int)
         columns = {
             each.name: self.uniform[:, end - each.dimensions : end]
             for each, end in zip(self.inputs, ends, strict=True)
         }
-        for inputs in self.of_faces:
+        for inputs in self.of_parts:
             if any(columns[each.name].shape[1] != each.dimensions for each in inputs):
-                raise ConvergenceError("the scans of both flange faces must be as many")
-        return [
-            (inputs, {each.name: each.values(columns[each.name]) for each in inputs})
-            for inputs in self.of_faces
-        ]
+                raise ConvergenceError("there must be as many scans of each face")
+        return [{each.name: each.values(columns[each.name]) for each in inputs} for inputs in self.of_parts]
 
     def leak_rates(
         self, numbers: Sequence[int], loads: Sequence[int] | None = None, *, whole_paths: bool = False
@@ -464,9 +465,13 @@ class Samples:
         self, numbers: Sequence[int], loads: Sequence[int], whole: bool
     ) -> list[list[FloatArray] | ConvergenceError]:
         """Of each sample its leak rates at each load, or why there are none."""
-        batch, source = Batch(), _near(self.seal, tuple(loads), whole_paths=whole)
-        problems = batch.each(numbers, self.problem)
-        found = evaluate_many(problems, dict.fromkeys(problems, source), batch)
+        batch = Batch()
+        sources = [
+            NearSolved(part.problem, part.model, part.seal_mesh, part.loads, tuple(loads), whole)
+            for part in self.seal.parts
+        ]
+        problems = batch.each(numbers, self.problems)
+        found = evaluate_many(problems, dict.fromkeys(problems, sources), batch)
 
         def leak_rates(number: int) -> list[FloatArray]:
             return list(map(_leak_rates, loads_of(found[number])))
@@ -486,23 +491,14 @@ class Samples:
             Of the samples that let less through.
         """
         few = range(min(len(self.uniform), _OF_HEIGHTS))
-        heights = np.array([_rms_heights(self.problem(number)) for number in few])
-        ratio = (heights / _rms_heights(self.seal.problem)) ** 3 / self.viscosity[: len(few), None]
+        heights = np.array([_rms_heights(self.problems(number)) for number in few])
+        ratio = (heights / _rms_heights(self.seal.problems)) ** 3 / self.viscosity[: len(few), None]
         return float(np.quantile(ratio, share, axis=0).max())
 
 
-def _near(seal: SolvedSeal, loads: tuple[int, ...], *, whole_paths: bool) -> NearSolved:
-    """Source of problems close to that of a seal, at some of its loads."""
-    upper, *lower = (
-        NearSolved(face.problem, face.model, face.seal_mesh, face.loads, loads, whole_paths)
-        for face in seal.faces
-    )
-    return replace(upper, lower_half=lower[0]) if lower else upper
-
-
-def _rms_heights(problem: SealProblem) -> list[float]:
-    """Of each of two different flange faces, or of the only one [m]."""
-    return [half.surface.spectrum.rms_height for half in problem.halves if half.surface is not None]
+def _rms_heights(problems: Iterable[SealProblem]) -> list[float]:
+    """Of the surface of each problem [m]."""
+    return [problem.surface.spectrum.rms_height for problem in problems if problem.surface is not None]
 
 
 def _leak_rates(load: CaseLoad) -> FloatArray:

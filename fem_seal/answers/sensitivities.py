@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
 
-from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of
+from fem_seal.answers.answer import Answer, Request, loads_of
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.samples import changed_problem
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case, CaseBody
@@ -24,10 +24,10 @@ from fem_seal.case.material_table import library_table
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
-from fem_seal.seal.evaluate import Batch, Evaluation, evaluate, evaluate_many
+from fem_seal.seal.evaluate import Batch, Evaluation, evaluate_many, evaluate_seal
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import highest_load
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.sources import Shared, Source
 from fem_seal.validity.checks import validity_of
 from leak import LeakError
@@ -79,6 +79,8 @@ _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, Arit
 _AT_ONCE = 4
 
 Rates = tuple[float, ...]
+# Of one seal, see `problems_of`.
+Problems = tuple[SealProblem, ...]
 
 
 @dataclass(frozen=True)
@@ -196,8 +198,8 @@ class _Change:
     key : str
     step : float
         Factor that is told; one over it where less leaks then. NaN of what has none.
-    problem : callable
-        The problem with a factor on its value.
+    problems : callable
+        The problems of the seal with a factor on its value.
     small : float
         Relative step up of the local exponent, which says the direction as well; zero: there is only the one step.
     before : float, optional
@@ -209,7 +211,7 @@ class _Change:
 
     key: str
     step: float
-    problem: Callable[[float], SealProblem]
+    problems: Callable[[float], Problems]
     small: float = 0.0
     before: float | None = None
     of: float | None = None
@@ -251,13 +253,18 @@ class _ChangedSeal:
         return self.result.case.replace({"requirement": None})
 
     @cached_property
+    def problems(self) -> Problems:
+        return self._at_load(problems_of(self.case))
+
+    @property
     def problem(self) -> SealProblem:
-        return self._at_load(SealProblem.of(self.case))
+        """Of several the first one, whose inputs are told."""
+        return self.problems[0]
 
     @cached_property
     def rates(self) -> Rates:
         """Of the case itself, from the source that its changes share."""
-        return self._rates(self.problem, evaluate(self.problem, self.source))
+        return self._rates(self.problems, evaluate_seal(self.problems, self.source))
 
     @property
     def leaks(self) -> bool:
@@ -266,13 +273,13 @@ class _ChangedSeal:
             return False
         return bool(self.rates) and all(0 < rate < math.inf for rate in self.rates)
 
-    def _at_load(self, problem: SealProblem, more_force: float = 0.0) -> SealProblem:
-        """A problem with the loads in question, after those that have a say in them."""
+    def _at_load(self, problems: Problems, more_force: float = 0.0) -> Problems:
+        """Problems with the loads in question, after those that have a say in them."""
         every, more = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
-        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved(problem))
+        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved(problems[0]))
         # bolts keep the force that they have at this load
-        loads = replace(problem.loads, points=points, refused={}, target_leak_rate=None)
-        return replace(problem, loads=replace(loads, solved=True, tightened=()))
+        loads = replace(problems[0].loads, points=points, refused={}, target_leak_rate=None)
+        return under_loads(problems, replace(loads, solved=True, tightened=()))
 
     def _solved(self, problem: SealProblem) -> tuple[int, ...]:
         """Numbers of the loads that are solved, those in question at the end.
@@ -295,26 +302,27 @@ class _ChangedSeal:
         same = (one.key, one.material)
         change = next(change for change in self.changes() if (change.key, change.material) == same)
         with suppress(*_FAILURES):
-            problem = change.problem(one.factor)
-            found = evaluate(problem, Shared(tables=FlowModel.short_table, stress=True))
-            solved = [n for at, n in enumerate(self._solved(problem)) if at not in found.solved.problems]
+            problems = change.problems(one.factor)
+            found = evaluate_seal(problems, Shared(tables=FlowModel.short_table, stress=True))
+            missing = found[0].solved.problems
+            solved = [n for at, n in enumerate(self._solved(problems[0])) if at not in missing]
             loads = dict(zip(solved, loads_of(found), strict=True))
             return all(
                 n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
             )
         return False
 
-    def _better(self, found: Evaluation, load: CaseLoad, before: CaseLoad) -> bool:
+    def _better(self, found: Sequence[Evaluation], load: CaseLoad, before: CaseLoad) -> bool:
         rates = zip(_rates_of(load), _rates_of(before), strict=True)
         leaks_more = any(not after <= own * _SAME for after, own in rates)
         return not leaks_more and (
             before.validity.outside or not load.validity_by(validity_of, found).outside
         )
 
-    def _rates(self, problem: SealProblem, found: Evaluation) -> Rates:
+    def _rates(self, problems: Problems, found: Sequence[Evaluation]) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
         load = loads_of(found)[-1]
-        return _rates_of(load) if load.point == problem.loads.points[-1] else ()
+        return _rates_of(load) if load.point == problems[0].loads.points[-1] else ()
 
     def sensitivities(self, changes: Sequence[_Change]) -> list[Sensitivity | None]:
         """What each of several changes does, evaluated side by side; None where it is none or cannot be calculated.
@@ -371,7 +379,7 @@ class _ChangedSeal:
             return False
         finish = change.key.startswith("roughness.") or (change.key == "rms_height" and self._drawn)
         # remarks are about heights that are not usual for their process
-        return not (finish and change.problem(factor).origin.remarks)
+        return not (finish and change.problems(factor)[0].origin.remarks)
 
     @cached_property
     def _not_drawn(self) -> tuple[str, ...]:
@@ -383,8 +391,9 @@ class _ChangedSeal:
     def _rates_after(self, factors: Mapping[_Change, float]) -> dict[_Change, Rates]:
         """Leak rates after each of some changes by a factor; none where they cannot be calculated."""
         changes, batch = list(factors), Batch()
-        problems = batch.each(range(len(changes)), lambda n: changes[n].problem(factors[changes[n]]))
-        found = evaluate_many(problems, dict.fromkeys(problems, self.source), batch)
+        problems = batch.each(range(len(changes)), lambda n: changes[n].problems(factors[changes[n]]))
+        sources = {n: (self.source,) * len(each) for n, each in problems.items()}
+        found = evaluate_many(problems, sources, batch)
         rates = batch.each(found, lambda n: self._rates(problems[n], found[n]))
         for error in batch.failed.values():
             if not isinstance(error, _FAILURES):
@@ -406,10 +415,10 @@ class _ChangedSeal:
         applied = load.applied_force
         unit = applied if applied > 0 else load.contact_force
 
-        def problem(factor: float) -> SealProblem:
-            return self._at_load(self.problem, (factor - 1.0) * unit)
+        def problems(factor: float) -> Problems:
+            return self._at_load(self.problems, (factor - 1.0) * unit)
 
-        return _Change("force", _FORCE, problem, _SMALL_FORCE, applied, unit)
+        return _Change("force", _FORCE, problems, _SMALL_FORCE, applied, unit)
 
     def _surface(self) -> Iterator[_Change]:
         """Heights, hardness, modulus and, of a self-affine spectrum, its shape; none of a simulated surface."""
@@ -442,17 +451,14 @@ class _ChangedSeal:
     def _drawn(self) -> dict[str, float]:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
         roughness = self.case.roughness
-        rough = [half.roughness for half in self.case.halves if half.roughness]
+        rough = [part.roughness for part in self.case.parts if part.roughness]
         if not rough or any(len(one.finishes) < len(one.parts) for one in rough):
             return {}
         if roughness is not None and roughness.height is not None:
             return {f"roughness.{roughness.height}": roughness.finish.value}
-        faces = dict(rough[0].finishes)
-        if len(rough) > 1 and "seat" in self.case.written["roughness"]:
-            faces["seat"] = rough[1].finishes["closure"]
         return {
             f"roughness.{face}.{one.height}": one.finish.value
-            for face, one in faces.items()
+            for face, one in self.case.finishes.items()
             if one.height is not None
         }
 
@@ -461,30 +467,23 @@ class _ChangedSeal:
         """Those with a table of their own: a lower flange without has shape and material of [closure]."""
         return [body for body in self.case.every_body if body.key in self.case.written]
 
-    def _with_surface(self, key: str, factor: float) -> SealProblem:
-        """The problem with one input of its surface changed.
+    def _with_surface(self, key: str, factor: float) -> Problems:
+        """The problems with one input of their surfaces changed.
 
         Half of a drawing's value may be measured with another filter, and stand for other waves. A small change of it
         is one of heights alone: the filters change in steps.
         """
         if key == "rms_height" and factor == 1.0 / _TWICE and self._drawn:
             halved = {path: factor * value for path, value in self._drawn.items()}
-            return self._at_load(SealProblem.of(self.case.replace(halved)))
+            return self._at_load(problems_of(self.case.replace(halved)))
+        parts = zip(self.problems, self.case.parts, strict=True)
+        return tuple(changed_problem(problem, part, {key: factor}) for problem, part in parts)
 
-        def changed(problem: SealProblem, case: Case) -> SealProblem:
-            lower = problem.lower_half
-            return replace(
-                changed_problem(problem, case, {key: factor}),
-                lower_half=None if lower is None else changed(lower, case.halves[-1]),
-            )
-
-        return changed(self.problem, self.case)
-
-    def _with_entries(self, entries: Mapping[str, float], of: float, factor: float) -> SealProblem:
-        """The problem with some numbers of the case larger by the same: a factor on one of them, or between two."""
+    def _with_entries(self, entries: Mapping[str, float], of: float, factor: float) -> Problems:
+        """The problems with some numbers of the case larger by the same: a factor on one of them, or between two."""
         more = (factor - 1.0) * of
         return self._at_load(
-            SealProblem.of(self.case.replace({path: value + more for path, value in entries.items()}))
+            problems_of(self.case.replace({path: value + more for path, value in entries.items()}))
         )
 
     def _dimensions(self) -> Iterator[_Change]:
@@ -546,8 +545,8 @@ class _ChangedSeal:
                         material=name,
                     )
 
-    def _with_material(self, body: str, name: str, factor: float) -> SealProblem:
-        return self._at_load(SealProblem.of(self.case.replace({f"{body}.material": name})))
+    def _with_material(self, body: str, name: str, factor: float) -> Problems:
+        return self._at_load(problems_of(self.case.replace({f"{body}.material": name})))
 
 
 def _rates_of(load: CaseLoad) -> Rates:

@@ -1,6 +1,6 @@
 """A solved seal with the answers to all that is asked of it.
 
-What follows from one contact is asked of each of two different flanges by itself.
+What follows from one contact is asked of each part of the seal by itself.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import LoadVerdict, SealVerdict, Verdict
-from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
@@ -30,9 +29,6 @@ from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.load_solver import LoadSolver
 
 Seal = TypeVar("Seal", bound=SolvedSeal)
-
-# Asked of one contact, before the whole seal; of the two flanges the answer of the upper one is kept.
-_OF_CONTACT = {answer.name for answer in (ACCURACY, OPENING, OWN_CONTACTS, INTERFACE_VARIANTS, FINDINGS)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,33 +91,38 @@ class SealSolution(SolvedSeal):
 
 
 def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
-    """A solved seal with what answers know of its loads; they themselves are kept by the request.
+    """A solved seal with what answers know of its loads; they themselves, of several parts the first's, are kept.
 
     Parameters
     ----------
     seal : SolvedSeal
     request : Request
+        Keeps the answers, and what is said of further parts alone.
     answers : sequence of Answer
         In their order.
     """
-    of_contact = [answer for answer in answers if answer.name in _OF_CONTACT]
-    upper, *others = seal.faces
-    if not (of_contact and others):
+    of_part = [answer for answer in answers if answer.of_part]
+    first, *others = seal.parts
+    if not (of_part and others):
         return _answered(seal, request, answers)
-    (lower,) = others
-    below = replace(
-        request,
-        solver=LoadSolver(lower.problem, lower.model),
-        steps=OptionalSteps(),
-        answers={},
-        samples={},
-        remarks=[],
-    )
-    seal = seal.with_faces(_answered(upper, request, of_contact), _answered(lower, below, of_contact))
-    known, texts = ([one.text for one in FINDINGS.of(asked.answers).cautions] for asked in (request, below))
-    said = [*(text for text in texts if text not in known), *below.steps.failures]
-    request.remarks.extend(sentence("lower_flange", said=text) for text in said)
-    return _answered(seal, request, [answer for answer in answers if answer.name not in _OF_CONTACT])
+    parts = [_answered(first, request, of_part)]
+    known = [one.text for one in FINDINGS.of(request.answers).cautions]
+    for part in others:
+        own = replace(
+            request,
+            solver=LoadSolver(part.problem, part.model),
+            steps=OptionalSteps(),
+            answers={},
+            samples={},
+            remarks=[],
+        )
+        parts.append(_answered(part, own, of_part))
+        texts = [one.text for one in FINDINGS.of(own.answers).cautions if one.text not in known]
+        label = part.problem.contact.label_of("closure")
+        request.remarks.extend(
+            sentence("of_part", part=label, said=text) for text in (*texts, *own.steps.failures)
+        )
+    return _answered(seal.with_parts(parts), request, [answer for answer in answers if not answer.of_part])
 
 
 def _answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
+from fem_seal.answers.answer import Answer, Request, with_scenarios
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
+from fem_seal.answers.two_flanges import mean_rate
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity, sentence
-from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
+from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, under_loads
 from fem_seal.seal.scenarios import SCENARIOS, problem_in
 from fem_seal.units import format_quantity, quantity, short_quantity
 from fem_seal.validity.checks import target_cautions, target_validity
@@ -24,12 +25,28 @@ _STEP = math.log(4.0)
 _FARTHEST = 1e6
 
 
-def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float) -> float:
-    """Force F_N at which a Gaussian profile of the expected width leaks as much as the target [N].
+def flows_of(problems: Iterable[SealProblem], scenario: str = "") -> tuple[SealFlow, ...]:
+    """The flow of each problem of a seal; none without roughness or fluid.
 
     Parameters
     ----------
-    flow : SealFlow
+    problems : iterable of SealProblem
+    scenario : str
+        Name of one that shares the contacts, whose surface and fluid are meant; those of the problems unless given.
+    """
+    flows = (
+        SealFlow.of(problem, problem_in(problem, scenario) if scenario else None) for problem in problems
+    )
+    return tuple(flow for flow in flows if flow is not None)
+
+
+def expected_contact_force(flows: Sequence[SealFlow], fluid_pressure: float, target: float) -> float:
+    """Force F_N at which Gaussian profiles of the expected width leak as much as the target [N].
+
+    Parameters
+    ----------
+    flows : sequence of SealFlow
+        Of a seal, see `flows_of`.
     fluid_pressure : float
         [Pa]
     target : float
@@ -40,13 +57,13 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
     InputError
         If no sensible force does.
     """
-    problem = flow.problem
-    lowest, highest = sensible_forces(problem)
+    problem = flows[0].problem
+    lowest, highest = sensible_forces(flow.problem for flow in flows)
     area = math.pi * problem.initial_contact_radius**2
     fluid_force = abs(contact_force(problem.initial_contact_radius, fluid_pressure)) + 1e-12 * area
 
     def excess(log_force: float) -> float:
-        return log_excess(flow.expected_rate(math.exp(log_force), fluid_pressure), target)
+        return log_excess(_expected_rate(flows, math.exp(log_force), fluid_pressure), target)
 
     start = math.log(fluid_force)
     zero = find_zero(excess, start, lowest=lowest, highest=highest, step=_STEP, accuracy=1e-3)
@@ -55,26 +72,32 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         return math.exp(zero.place)
     name = "too_small" if zero.end is End.HIGHEST else "always_met"
     largest = math.exp(highest)
-    least = _rate(flow.expected_rate(largest, fluid_pressure), target)
+    least = _rate(_expected_rate(flows, largest, fluid_pressure), target)
     values = {"force": short_quantity("force", largest), "leaves": least, "pressure": fluid_pressure}
     raise target_problem(problem, name, target, **values)
 
 
-def target_remarks(problem: SealProblem) -> tuple[str, ...]:
-    """Why the target leak rate of a problem cannot be met, before anything is solved; empty if it can.
+def _expected_rate(flows: Sequence[SealFlow], contact_force: float, fluid_pressure: float) -> float:
+    return mean_rate(flow.expected_rate(contact_force, fluid_pressure) for flow in flows)
+
+
+def target_remarks(problems: Sequence[SealProblem]) -> tuple[str, ...]:
+    """Why the target leak rate of a seal cannot be met, before anything is solved; empty if it can.
 
     Parameters
     ----------
-    problem : SealProblem
+    problems : sequence of SealProblem
+        Of one seal.
     """
-    flow, target = SealFlow.of(problem), problem.loads.target_leak_rate
-    if flow is None or target is None or problem.follows_path:
+    problem, flows = problems[0], flows_of(problems)
+    target = problem.loads.target_leak_rate
+    if not flows or target is None or problem.follows_path:
         # of bodies that yield the closed form is too rough to say so
         return ()
     remarks = []
     for pressure in dict.fromkeys(problem.loads.fluid_pressure):
         try:
-            expected_contact_force(flow, pressure, target)
+            expected_contact_force(flows, pressure, target)
         except InputError as error:
             remarks.append(str(error))
     return tuple(remarks)
@@ -119,18 +142,18 @@ _ACCURACY = 1e-6
 
 
 def contacts_at_target(
-    problem: SealProblem, target_leak_rate: float | None = None, *, scenario: str = ""
+    problems: Sequence[SealProblem], target_leak_rate: float | None = None, *, scenario: str = ""
 ) -> list[CaseLoad]:
     """Loads with the smallest force of spring or actuator at which a seal leaks as a target, at each fluid pressure.
 
     Parameters
     ----------
-    problem : SealProblem
-        With surface and flow.
+    problems : sequence of SealProblem
+        Of one seal, with surface and flow.
     target_leak_rate : float, optional
         [m^3/s], of a gas at 101325 Pa and its temperature; the problem's own target unless given.
     scenario : str
-        Name of one that shares the contacts, whose leak rate is meant; that of the problem unless given.
+        Name of one that shares the contacts, whose leak rate is meant; that of the problems unless given.
 
     Returns
     -------
@@ -151,15 +174,16 @@ def contacts_at_target(
     yields each step is on the path of first loading of the new seal, or goes on from the largest load before those of
     the problem, so that the force leaks the target in a case that has only this load.
     """
+    problem = problems[0]
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
         raise target_problem(problem, "missing", target)
-    flow = SealFlow.of(problem, partial(problem_in, name=scenario))
-    if flow is None:
+    flows = flows_of(problems, scenario)
+    if not flows:
         raise target_problem(problem, "without_leak", target)
     # up and down again, or under several forces, a pressure may come more than once
-    starts = {pressure: _first_guess(flow, pressure, target) for pressure in problem.loads.fluid_pressure}
-    lowest, highest = sensible_forces(problem)
+    starts = {pressure: _first_guess(flows, pressure, target) for pressure in problem.loads.fluid_pressure}
+    lowest, highest = sensible_forces(problems)
 
     def find(trials: Trials, start: float) -> Zero | None:
         def excess(place: float) -> float | None:
@@ -173,24 +197,25 @@ def contacts_at_target(
                 return None
             if problem.follows_path and _turning(load) > LARGEST_TURNING:
                 return None
-            return log_excess(_leak_rate(_leaking(problem, load, scenario)), target)
+            return log_excess(_leak_rate(_leaking(problems, load, scenario)), target)
 
         return find_zero(excess, start, lowest=lowest, highest=highest, accuracy=_ACCURACY)
 
     found = {
-        pressure: _at_target(problem, trials, zero, target, scenario)
-        for pressure, (trials, zero) in search_forces(problem, starts, find).items()
+        pressure: _at_target(problems, trials, zero, target, scenario)
+        for pressure, (trials, zero) in search_forces(problems, starts, find).items()
     }
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
 
 
 def _at_target(
-    problem: SealProblem, trials: Trials, zero: Zero | None, target: float, scenario: str
+    problems: Sequence[SealProblem], trials: Trials, zero: Zero | None, target: float, scenario: str
 ) -> CaseLoad:
     """The load with the target's leak rate, or why there is none."""
+    problem = problems[0]
     if zero is None:
         raise trials.unreached or ConvergenceError("no force was found that keeps the strains small")
-    pressure, load = trials.fluid_pressure, _leaking(problem, trials.load(zero.place), scenario)
+    pressure, load = trials.fluid_pressure, _leaking(problems, trials.load(zero.place), scenario)
     if zero.end is not None:
         why = "not_met"
         if zero.end is End.LOWEST:
@@ -208,8 +233,8 @@ def _at_target(
     return load.with_values(preload_for_target=max(preload, 0.0))
 
 
-def _leaking(problem: SealProblem, load: CaseLoad, scenario: str) -> CaseLoad:
-    return case_loads(problem, [load])[0].scenarios.get(scenario, load) if scenario else load
+def _leaking(problems: Sequence[SealProblem], load: CaseLoad, scenario: str) -> CaseLoad:
+    return with_scenarios(problems, load).scenarios.get(scenario, load) if scenario else load
 
 
 def _leak_rate(load: CaseLoad) -> float:
@@ -218,22 +243,23 @@ def _leak_rate(load: CaseLoad) -> float:
 
 
 def _turning(load: CaseLoad) -> float:
-    return max(own.contact.turning for own in load.contact_loads)
+    return max(part.contact.turning for part in load.parts)
 
 
-def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
+def _first_guess(flows: Sequence[SealFlow], fluid_pressure: float, target: float) -> float:
     """Force F_N from which the target is looked for [N].
 
     It is the expected one; of bodies that yield, where none is expected, the largest, or that of the loads.
     """
     try:
-        return expected_contact_force(flow, fluid_pressure, target)
+        return expected_contact_force(flows, fluid_pressure, target)
     except InputError:
-        if not flow.problem.follows_path:
+        problem = flows[0].problem
+        if not problem.follows_path:
             raise
-        highest = math.exp(sensible_forces(flow.problem)[1])
-        least = flow.expected_rate(highest, fluid_pressure)
-        return highest if least > target else min(max(expected_forces(flow.problem)), highest)
+        highest = math.exp(sensible_forces(flow.problem for flow in flows)[1])
+        least = _expected_rate(flows, highest, fluid_pressure)
+        return highest if least > target else min(max(expected_forces(problem)), highest)
 
 
 @dataclass(frozen=True)
@@ -281,12 +307,12 @@ def _compute(seal: SolvedSeal, request: Request) -> TargetForces:
 
 def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
     """Forces in a scenario; how good they are is looked at in that of the problem alone."""
-    problem, none = seal.problem, [None] * len(seal.loads)
-    if problem.loads.bolts is not None:
+    problems, none = seal.problems, [None] * len(seal.loads)
+    if seal.problem.loads.bolts is not None:
         # each force is looked for with its own preload before it
-        problem = replace(problem, loads=problem.loads.loose)
+        problems = under_loads(problems, seal.problem.loads.loose)
     try:
-        found = contacts_at_target(problem, scenario=scenario)
+        found = contacts_at_target(problems, scenario=scenario)
     except InputError as error:
         when = f"{SCENARIOS[scenario].condition}: " if scenario else ""
         texts = [f"{when}{one}" for one in error.problems]
@@ -301,17 +327,18 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
     )
     if scenario:
         return forces
-    validity = [load.validity_by(target_validity, problem) for load in found]
-    faces = zip(*(load.contact_loads for load in found), strict=True)
-    upper, *lower = (list(target_cautions(*one)) for one in zip(problem.halves, faces, strict=True))
-    known = {one.text for one in upper}
-    remarks = [
-        replace(one, text=sentence("lower_flange", said=one.text))
-        for half in lower
-        for one in half
-        if one.text not in known
-    ]
-    return replace(forces, validity=validity, remarks=(*upper, *remarks))
+    validity = [load.validity_by(target_validity, problems) for load in found]
+    remarks: list[Finding] = []
+    for problem, loads in zip(problems, zip(*(load.parts for load in found), strict=True), strict=True):
+        known, label = {one.text for one in remarks}, problem.contact.label_of("closure")
+        remarks += [
+            one
+            if problem is problems[0]
+            else replace(one, text=sentence("of_part", part=label, said=one.text))
+            for one in target_cautions(problem, loads)
+            if one.text not in known
+        ]
+    return replace(forces, validity=validity, remarks=tuple(remarks))
 
 
 def _of_load(load: CaseLoad, number: int, found: TargetForces | None) -> CaseLoad:

@@ -117,6 +117,7 @@ OWN_CONTACTS = Answer[OtherContacts](
     lambda seal, request: any(with_own_contacts(seal.problem)),
     _of_load,
     "contacts and leak rates by the other theory",
+    of_part=True,
 )
 
 
@@ -159,4 +160,5 @@ INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     (),
     doing="comparing elastic and plastic interface law",
     clock="variants",
+    of_part=True,
 )

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
-from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, GasketLoad, SolvedSeal, case_loads, solved_seal
+from fem_seal.answers.answer import Answer, Request, loads_of, with_scenarios
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.answers.judgement import (
     LoadVerdict,
@@ -21,14 +21,15 @@ from fem_seal.answers.judgement import (
     severity,
 )
 from fem_seal.answers.leakage_class import limit_of_rate, limits
+from fem_seal.answers.two_flanges import load_of_parts
 from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
-from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.evaluate import evaluate_seal
 from fem_seal.seal.findings import sentence
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import SealProblem, under_loads
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import short_quantity
 from fem_seal.validity.checks import load_validity
@@ -98,7 +99,7 @@ def seal_verdict(
     missing : mapping
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
     hardness : float, optional
-        Of the softer body, of two different faces that of the upper one [Pa].
+        Of the softer body, of several parts that of the first [Pa].
     """
     required = case.requirement
     if required is None:
@@ -116,7 +117,7 @@ def seal_verdict(
         return None
     number, point, worst = max(every, key=lambda one: severity(one[2]))
     numbers = tuple(number for number, _, _ in found)
-    hard = (hardness, *(half.hardness for half in case.halves[1:]))
+    hard = (hardness, *(part.hardness for part in case.parts[1:]))
     shares = _shares([loads[n] for n in numbers], hard)
     return SealVerdict(worst, *point, number, numbers, len(left_out), shares)
 
@@ -149,13 +150,13 @@ def _crest(load: LoadResult) -> float:
 
 
 def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Utilisation:
-    """The largest of all loads and, where they differ, of both faces, each of which has a hardness."""
+    """The largest of all loads and their parts, each of which has a hardness."""
     stressed = [
         (_crest(load) * float(load.contact.fields[name].von_mises.max()) / limit, body)
         for whole in loads
-        for body, (load, name) in whole.named_bodies.items()
+        for body, (number, name) in whole.named_bodies.items()
         # without a look at the stress, which a model without displacements does not hold
-        if not load.of_profile
+        if not (load := whole.parts[number]).of_profile
         and (limit := getattr(load.contact.model, name).material.yield_stress) is not None
     ]
     stress, body = max(stressed, default=(None, ""))
@@ -163,7 +164,7 @@ def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Util
     peaks = [
         _crest(load) * load.peak_pressure / hard
         for whole in loads
-        for load, hard in zip(whole.contact_loads, hardness, strict=False)
+        for load, hard in zip(whole.parts, hardness, strict=False)
         if hard is not None
     ]
     return Utilisation(stress, body, max(peaks, default=None), min(openings, default=None))
@@ -269,7 +270,7 @@ def forces_for_verdict(
         for pressure, load in first.items()
         if not (problem.origin.usual_only or (case.sampled is not None and load.sampled is None))
     }
-    lowest, highest = sensible_forces(problem)
+    lowest, highest = sensible_forces(result.problems)
     starts = {
         pressure: min(
             max(load.contact_force_for_target or load.contact_force, math.exp(lowest)), math.exp(highest)
@@ -283,7 +284,7 @@ def forces_for_verdict(
         searches[trials.fluid_pressure] = search
         return search.zero(start, [search.added_at_first()])
 
-    ends = search_forces(problem, starts, find, progress) if starts else {}
+    ends = search_forces(result.problems, starts, find, progress) if starts else {}
     found = {pressure: searches[pressure].force(zero) for pressure, (_, zero) in ends.items()}
     no_interval = VerdictForce(None, sentence("verdict_force", "no_interval"))
     begins = _begins(problem)
@@ -346,7 +347,7 @@ class _Search:
 
     def zero(self, start: float, added: Sequence[Added]) -> Zero | None:
         """Where the upper end comes down to the limit with what samples and mesh add."""
-        lowest, highest = sensible_forces(self.result.problem)
+        lowest, highest = sensible_forces(self.result.problems)
         return find_zero(
             partial(self._with, added), start, lowest=lowest, highest=highest, accuracy=_ACCURACY
         )
@@ -363,7 +364,7 @@ class _Search:
 
     def added_at_first(self) -> Added:
         """What the samples add at the load of the case."""
-        at = math.log(max(self.load.contact_force, math.exp(sensible_forces(self.result.problem)[0])))
+        at = math.log(max(self.load.contact_force, math.exp(sensible_forces(self.result.problems)[0])))
         sampled, calculated = self.load.sampled, self.load.leak_range
         rate = math.nan if self.load.leak is None else self.load.leak.leak_rate
         most = self.load.theory_error.high * (rate if calculated is None else calculated[1])
@@ -388,12 +389,11 @@ class _Search:
         if at not in self.tried:
             self._tell(f"a contact force of {short_quantity('force', math.exp(at))}")
             try:
-                (load,) = case_loads(self.result.problem, [self.trials.load(at)])
+                load = with_scenarios(self.result.problems, self.trials.load(at))
             except (ConvergenceError, InputError, OpenSealError):
                 self.tried[at] = None
             else:
-                faces = map(_checked, self.result.problem.halves, load.contact_loads)
-                self.tried[at] = GasketLoad.joined(*faces)
+                self.tried[at] = load_of_parts([*map(_checked, self.result.problems, load.parts)])
         return self.tried[at]
 
     def _tell(self, tried: str) -> None:
@@ -405,7 +405,7 @@ class _Search:
             return self._outside_everywhere()
         if zero.end is End.LOWEST:
             return sentence("verdict_force", "any")
-        highest = sensible_forces(self.result.problem)[1]
+        highest = sensible_forces(self.result.problems)[1]
         load, after = self._load(zero.place), self._load(min(zero.place + _ACCURACY, highest))
         stopped = 0.0 if load is None else load.contact.stop_force
         force = "that" if load is None else short_quantity("force", load.applied_force - stopped)
@@ -467,9 +467,9 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     """One load of a case that has no other, with validity, mesh error and samples."""
     point = fluid_pressure, applied_force
     loads = replace(seal.problem.loads, points=(point,), refused={}, target_leak_rate=None)
-    problem = replace(seal.problem, loads=loads)
     clock = Clock(progress)
-    alone = solved_seal(evaluate(problem, clock=clock), seal.case)
+    evaluations = evaluate_seal(under_loads(seal.problems, loads), clock=clock)
+    alone = SolvedSeal.of(evaluations, seal.case, loads_of(evaluations))
 
     def checked(one: SolvedSeal) -> CaseLoad:
         problem, sizing, (load,) = one.problem, one.seal_mesh.sizing, one.loads
@@ -477,7 +477,7 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
             error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
         return _checked(problem, load.with_values(mesh_error=error))
 
-    load = GasketLoad.joined(*map(checked, alone.faces))
+    load = load_of_parts([*map(checked, alone.parts)])
     if seal.case.sampled is None or load.validity.outside:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)

@@ -33,7 +33,7 @@ from fem_seal.case.notation import (
     tables_of,
     words_of,
 )
-from fem_seal.case.roughness import roughness_like
+from fem_seal.case.roughness import FinishTable, roughness_like
 from fem_seal.case.tables import CaseTables, Uncertainty
 from fem_seal.case.temperature import with_film_temperature
 from fem_seal.case.tightening import apply_preloads
@@ -244,21 +244,31 @@ class Case(CaseTables):
         return lower
 
     @property
-    def halves(self) -> tuple[Case, ...]:
+    def parts(self) -> tuple[Case, ...]:
         """The case with each of two different flanges on both faces of the gasket; only itself where they are alike."""
         return (self,) if self._lower_half is None else (self, self._lower_half)
 
     @property
     def every_body(self) -> tuple[CaseBody, ...]:
         """Its bodies from above: closure and seat, or flange and gasket and a lower flange that differs."""
-        first, *others = self.halves
-        names = ((first, "closure"), (first, "seat"), *((half, "closure") for half in others))
-        return tuple(CaseBody(half, name) for half, name in names)
+        first, *others = self.parts
+        names = ((first, "closure"), (first, "seat"), *((part, "closure") for part in others))
+        return tuple(CaseBody(part, name) for part, name in names)
+
+    @property
+    def finishes(self) -> dict[str, FinishTable]:
+        """The finish of each face that has one, by its key in [roughness]."""
+        found = {}
+        for part in self.parts:
+            for key, table in ({} if part.roughness is None else part.roughness.finishes).items():
+                lower = part is not self and key == "closure" and "seat" in self._input["roughness"]
+                found["seat" if lower else key] = table
+        return found
 
     @property
     def contacts(self) -> tuple[ContactGeometry, ...]:
         """Bodies in first touch, of a gasket on each face that differs."""
-        return tuple(half.contact for half in self.halves)
+        return tuple(part.contact for part in self.parts)
 
     def written_entry(self, key: str) -> object:
         """What stands at a key of the case file, such as "requirement.leak_rate"; None where nothing does."""

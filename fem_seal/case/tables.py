@@ -693,8 +693,8 @@ class CaseTables(Table):
         return pressures * count if len(pressures) == 1 else pressures
 
     @property
-    def halves(self) -> tuple[CaseTables, ...]:
-        """The case with each of two different flanges on both faces of a gasket; only itself where they are alike."""
+    def parts(self) -> tuple[CaseTables, ...]:
+        """The case with each contact that is solved by itself and that leaks beside the others; here only itself."""
         return (self,)
 
     def without_loads(self, numbers: Collection[int]) -> Self:

@@ -440,7 +440,7 @@ def _create_folder(folder: Path) -> Path:
 
 def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
-    from fem_seal.seal.problem import SealProblem
+    from fem_seal.seal.problem import problems_of
     from fem_seal.validity.fluid import film_cautions
     from fem_seal.validity.materials import material_cautions
 
@@ -454,14 +454,15 @@ def _remarks(case: Case) -> list[str]:
     if case.form is not None:
         remarks.append(sentence("check_of_round_seal"))
         remarks.extend(case.form.without_effect(case.contact.angle))
-    problem = SealProblem.of(case)
+    problems = problems_of(case)
+    problem = problems[0]
     remarks.extend(text for _, _, text in problem.origin.face_remarks)
     remarks.extend(creep_remarks(problem.labelled_materials))
     remarks.extend(finding.text for finding in (*film_cautions(problem), *material_cautions(problem)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 
-        remarks.extend(target_remarks(problem))
+        remarks.extend(target_remarks(problems))
     return remarks
 
 

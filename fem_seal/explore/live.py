@@ -12,18 +12,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.answer import Request
-from fem_seal.answers.case_load import solved_seal
+from fem_seal.answers.answer import Request, loads_of
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.solution import SealSolution, answered
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.explore.screen import Screen, screen_of, shown_load
 from fem_seal.seal.cost import load_seconds
-from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate
+from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate_seal
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.load_result import MissingLoad
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.sources import Rounding, Shared
 from fem_seal.validity.checks import validity_of
 
@@ -49,13 +49,19 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
         From keys of factors to texts.
     """
     case = warmed(case)
-    whole = SealProblem.of(case)
-    numbers = live_loads(whole)
-    evaluation, count = solve_live_loads(case, whole, numbers)
+    problems = problems_of(case)
+    whole, numbers = problems[0], live_loads(problems[0])
+    evaluations, count = solve_live_loads(case, problems, numbers)
     # the interval of every load is as wide as what its checks find
-    seal = answered(solved_seal(evaluation, case), request := Request(evaluation.solver, SILENT), [OPENING])
-    loads = [load.with_values(validity=load.validity_by(validity_of, evaluation)) for load in seal.loads]
-    failures = {numbers[n]: problem for n, problem in evaluation.solved.problems.items() if n < len(numbers)}
+    seal = answered(
+        SolvedSeal.of(evaluations, case, loads_of(evaluations)),
+        request := Request(evaluations[0].solver, SILENT),
+        [OPENING],
+    )
+    loads = [load.with_values(validity=load.validity_by(validity_of, evaluations)) for load in seal.loads]
+    failures = {
+        numbers[n]: problem for n, problem in evaluations[0].solved.problems.items() if n < len(numbers)
+    }
     missing_loads = [
         MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)
         for n, problem in sorted({**whole.loads.refused, **failures}.items())
@@ -85,17 +91,20 @@ def live_loads(whole: SealProblem) -> list[int]:
     return sorted({highest, *(numbers[round(n * steps)] for n in range(limit - 1))})
 
 
-def solve_live_loads(case: Case, whole: SealProblem, numbers: Sequence[int]) -> tuple[Evaluation, int]:
-    """Some loads of a problem, and behind them others that fill the curve; how many with a contact are the case's.
+def solve_live_loads(
+    case: Case, problems: Sequence[SealProblem], numbers: Sequence[int]
+) -> tuple[tuple[Evaluation, ...], int]:
+    """Some loads of a seal, and behind them others that fill the curve; how many with a contact are the case's.
 
     Parameters
     ----------
     case : Case
-    whole : SealProblem
-        Its problem with all loads.
+    problems : sequence of SealProblem
+        Its problems with all loads.
     numbers : sequence of int
         Of the loads.
     """
+    whole = problems[0]
     others = [number for number in range(len(whole.loads.points)) if number not in numbers]
     loads = replace(whole.loads.without(others), target_leak_rate=None)
     if load_seconds(case) < _FILLS:
@@ -103,8 +112,8 @@ def solve_live_loads(case: Case, whole: SealProblem, numbers: Sequence[int]) -> 
         shares = _SHARES if case.form is None and not _of_gas(whole) else (0.5,)
         fill = _fill_curve(loads.points, shares, _FEW if case.form is None else 1)
         loads = replace(loads, points=(*loads.points, *fill))
-    evaluation = evaluate(replace(whole, loads=loads), SOURCE)
-    return evaluation, len(numbers) - sum(number < len(numbers) for number in evaluation.solved.failures)
+    evaluations = evaluate_seal(under_loads(problems, loads), SOURCE)
+    return evaluations, len(numbers) - sum(number < len(numbers) for number in evaluations[0].solved.failures)
 
 
 def _of_gas(problem: SealProblem) -> bool:

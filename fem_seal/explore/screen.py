@@ -352,7 +352,7 @@ def section_of(case: Case) -> CrossSection:
         case.load.pressure_side,
         window,
         contact.seat.extent[1][0] if case.gasket is not None else None,
-        next(map(section_of, case.halves[1:]), None),
+        next(map(section_of, case.parts[1:]), None),
     )
 
 

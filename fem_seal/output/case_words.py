@@ -231,9 +231,9 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
     case : Case
     """
     faces: dict[FinishTable, list[str]] = {}
-    for half in case.halves:
-        for key, table in ({} if half.roughness is None else half.roughness.finishes).items():
-            name, names = half.label_of(key), faces.setdefault(table, [])
+    for part in case.parts:
+        for key, table in ({} if part.roughness is None else part.roughness.finishes).items():
+            name, names = part.label_of(key), faces.setdefault(table, [])
             names += [] if name in names else [name]
     alike = len(faces) == 1 and len(*faces.values()) > 1
     return [
@@ -336,7 +336,7 @@ def in_degrees(temperature: float) -> str:
 
 def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
     """Derived numbers of a case in SI, for `check --json`; of a lower flange of its own, on both faces, beside them."""
-    fluid, (_, *others) = case.fluid, case.halves
+    fluid, others = case.fluid, case.parts[1:]
     crossovers = [load.crossover for load in derived.loads if load.crossover]
     found = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
     return {

@@ -178,7 +178,7 @@ def _plastic_strain(load: CaseLoad) -> float | None:
     from fem_seal.bodies.fields import ElastoplasticField
     from fem_seal.contact.load_path import ElastoplasticContact
 
-    contacts = [one.contact for one in load.contact_loads]
+    contacts = [one.contact for one in load.parts]
     yielding = [one for one in contacts if isinstance(one, ElastoplasticContact)]
     fields = [one for contact in yielding for one in contact.fields.values()]
     strains = [one.accumulated_plastic_strain for one in fields if isinstance(one, ElastoplasticField)]
@@ -186,7 +186,7 @@ def _plastic_strain(load: CaseLoad) -> float | None:
 
 
 def _load_steps(load: CaseLoad) -> int | None:
-    return max(getattr(one.contact, "load_steps", 0) for one in load.contact_loads) or None
+    return max(getattr(one.contact, "load_steps", 0) for one in load.parts) or None
 
 
 def _interval_end(load: CaseLoad, which: int) -> float | None:
@@ -197,7 +197,7 @@ def _interval_end(load: CaseLoad, which: int) -> float | None:
 
 def _per_length(load: CaseLoad, value: float | None) -> float | None:
     """A number per length of the circle of first touch, of two different faces the mean of both."""
-    radii = [one.contact.model.initial_contact_radius for one in load.contact_loads]
+    radii = [one.contact.model.initial_contact_radius for one in load.parts]
     return None if value is None else value / (2.0 * math.pi * sum(radii) / len(radii))
 
 

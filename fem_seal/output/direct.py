@@ -142,9 +142,9 @@ def direct_lines(table: DirectTable) -> list[str]:
         if cuts:
             key = reading if len(readings) > 1 else Reading.ELASTIC
             lines.append(phrase("direct.cost", key, low=min(cuts), high=max(cuts)))
-    halves = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
-    if halves:
-        lines.append(phrase("direct.cost", "half", low=min(halves), high=max(halves)))
+    ratios = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
+    if ratios:
+        lines.append(phrase("direct.cost", "half", low=min(ratios), high=max(ratios)))
     return lines
 
 

@@ -173,7 +173,7 @@ def contact_rows(result: SealSolution) -> CsvTable:
     return CONTACT_COLUMNS, [
         (*load.point, f"{face}{number}", *values)
         for load in result.loads
-        for face, own in zip(("closure", "seat")[-faces:], (load.contact_loads * faces)[:faces], strict=True)
+        for face, own in zip(("closure", "seat")[-faces:], (load.parts * faces)[:faces], strict=True)
         for number, values in _lands_of(own, faces, outlet)
     ]
 

@@ -53,8 +53,8 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     levels = _mid_planes(result)
 
     def write_load(load: CaseLoad, path: Path) -> Path:
-        halves = [(one.contact.fields, one.contact.approach) for one in load.contact_loads]
-        return _write_bodies(halves, _load_data(load), levels, path)
+        solved = [(part.contact.fields, part.contact.approach) for part in load.parts]
+        return _write_bodies(solved, _load_data(load), levels, path)
 
     return _write_loads(result, folder, "contact", "vtu", write_load)
 
@@ -70,7 +70,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     list of pathlib.Path
         The files written, contact_line.pvd first.
     """
-    heights = [one.seal_mesh.contact.height for one in result.faces]
+    heights = [part.seal_mesh.contact.height for part in result.parts]
     levels = _mid_planes(result)
 
     def line_of(load: CaseLoad, height: Callable[[FloatArray], FloatArray]) -> _Line:
@@ -85,7 +85,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
         return _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles], data
 
     def write_load(load: CaseLoad, path: Path) -> Path:
-        lines = list(map(line_of, load.contact_loads, heights))
+        lines = list(map(line_of, load.parts, heights))
         points, ends, data = lines[0]
         if levels:
             below, ends_below, data_below = lines[-1]
@@ -206,29 +206,29 @@ def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
     that of a press fit. If both bodies are elastic, none is written, and an unloaded.vtu of an earlier run is removed.
     """
     path = folder / "unloaded.vtu"
-    halves = [(one.unloaded.fields, 0.0) for one in result.faces if one.unloaded is not None]
-    if len(halves) < len(result.faces):
+    unloaded = [part.unloaded for part in result.parts if part.unloaded is not None]
+    if len(unloaded) < len(result.parts):
         path.unlink(missing_ok=True)
         return None
-    return _write_bodies(halves, {}, _mid_planes(result), path)
+    return _write_bodies([(after.fields, 0.0) for after in unloaded], {}, _mid_planes(result), path)
 
 
 def _write_bodies(
-    halves: Sequence[tuple[Mapping[str, BodyField], float]],
+    solved: Sequence[tuple[Mapping[str, BodyField], float]],
     load: Mapping[str, NDArray[np.generic]],
     levels: Sequence[float],
     path: Path,
 ) -> Path:
-    """Write both bodies, of a gasket with the images of those of its lower half below its mid-plane.
+    """Write both bodies, of a gasket with the images of those of the last part below its mid-plane.
 
-    Of each half its fields and approach [m]; of two faces that are alike there is but one.
+    Of each part its fields and approach [m].
     """
-    of_halves = [[_move_to_place(fields[name], approach) for name in BODIES] for fields, approach in halves]
-    bodies, numbers, alike = of_halves[0], [0, 1], bool(levels) and len(of_halves) == 1
+    of_parts = [[_move_to_place(fields[name], approach) for name in BODIES] for fields, approach in solved]
+    bodies, numbers, alike = of_parts[0], [0, 1], bool(levels) and len(of_parts) == 1
     if levels:
         if alike:
-            bodies = of_halves[0] = [bodies[0], _without_shear(bodies[1], levels[0])]
-        bodies = bodies + [_image(body, *levels) for body in of_halves[-1]]
+            bodies = of_parts[0] = [bodies[0], _without_shear(bodies[1], levels[0])]
+        bodies = bodies + [_image(body, *levels) for body in of_parts[-1]]
         numbers += [2, 1]
     starts = np.cumsum([0, *(len(body.points) for body in bodies)])
     kept = np.ones(starts[-1], dtype=bool)
@@ -268,7 +268,7 @@ def _mid_planes(result: SealSolution) -> list[float]:
     """Height of the mid-plane of a gasket in its upper and in its lower half [m]; empty of any other seal."""
     if result.problem.faces == 1:
         return []
-    found = [one.seal_mesh.contact.seat.extent[1][0] for one in result.faces]
+    found = [part.seal_mesh.contact.seat.extent[1][0] for part in result.parts]
     return [found[0], found[-1]]
 
 

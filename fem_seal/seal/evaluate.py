@@ -147,8 +147,6 @@ class Evaluation:
         Where bodies and flow conductivities come from.
     asked : Loads
         Of the problem before any was left out.
-    lower_half : Evaluation or None
-        Of the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
     """
 
     problem: SealProblem
@@ -157,7 +155,6 @@ class Evaluation:
     seal_mesh: SealMesh | None
     source: Source
     asked: Loads
-    lower_half: Evaluation | None = None
 
     @cached_property
     def solver(self) -> LoadSolver:
@@ -171,18 +168,8 @@ class Evaluation:
 
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
-        """Each load with the contact that was found, of two different flanges with the upper one."""
+        """Each load with the contact that was found."""
         return self.solved.results(self.problem, self.problem.loads.points, self.source.table)
-
-    @property
-    def halves(self) -> tuple[Evaluation, ...]:
-        """Each of two different flanges on both faces; only itself where they are alike."""
-        if self.lower_half is None:
-            return (self,)
-        upper = replace(self, problem=self.problem.halves[0], lower_half=None)
-        # what its loads have worked out stays
-        vars(upper)["loads"] = self.loads
-        return upper, self.lower_half
 
     def without(self, failures: Mapping[int, Exception]) -> Evaluation:
         """Without some more of the loads that were asked for, by their numbers."""
@@ -201,11 +188,6 @@ class Evaluation:
         return replace(
             self, problem=replace(self.problem, loads=self.problem.loads.without(gone)), solved=solved
         )
-
-    def beside(self, lower: Evaluation) -> Evaluation:
-        """A gasket with this flange above and another one below, under the loads that both can carry."""
-        upper, lower = self.without(lower.solved.failures), lower.without(self.solved.failures)
-        return replace(upper, problem=replace(upper.problem, lower_half=lower.problem), lower_half=lower)
 
 
 def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT) -> Evaluation:
@@ -237,42 +219,62 @@ def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT
     >>> print(f"{load.contact.profile.peak_pressure / 1e6:.0f} MPa")
     192 MPa
     """
+    (found,) = evaluate_seal((problem,), source, clock)
+    return found
+
+
+def evaluate_seal(
+    problems: Sequence[SealProblem], source: Source = EXACT, clock: Clock = SILENT
+) -> tuple[Evaluation, ...]:
+    """`evaluate` of all problems of one seal, see `fem_seal.seal.problem.problems_of`, under the loads that all carry.
+
+    Parameters
+    ----------
+    problems, source, clock
+        See `evaluate`.
+    """
     batch = Batch()
-    found = evaluate_many({0: problem}, {0: source}, batch, clock)
+    found = evaluate_many({0: problems}, {0: (source,) * len(problems)}, batch, clock)
     for error in batch.failed.values():
         raise error
     return found[0]
 
 
 def evaluate_many(
-    problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock = SILENT
-) -> dict[int, Evaluation]:
-    """`evaluate` of several problems, to the same bits; without those that fail.
+    problems: Mapping[int, Sequence[SealProblem]],
+    sources: Mapping[int, Sequence[Source]],
+    batch: Batch,
+    clock: Clock = SILENT,
+) -> dict[int, tuple[Evaluation, ...]]:
+    """`evaluate_seal` of several seals, to the same bits; without those that fail.
 
     Parameters
     ----------
     problems, sources : mapping
-        By number.
+        Of each seal, by its number: its problems, and the source of each of them.
     batch : Batch
         Keeps time and failures of each.
     clock : Clock
         Told what is being done.
     """
-    upper_sources, lower_sources = (
-        {
-            n: source.of_face(face) if problems[n].lower_half is not None else source
-            for n, source in sources.items()
-        }
-        for face in (0, 1)
-    )
-    found = _evaluated({n: one.halves[0] for n, one in problems.items()}, upper_sources, batch, clock)
-    unlike = {n: problems[n].halves[1] for n in found if problems[n].lower_half is not None}
-    if not unlike:
-        return found
-    clock.progress("the lower flange on both faces of the gasket")
-    lower = _evaluated(unlike, lower_sources, batch, clock)
-    return {n: one for n, one in found.items() if n not in unlike} | batch.each(
-        lower, lambda n: found[n].beside(lower[n])
+    found: dict[int, list[Evaluation]] = {n: [] for n in problems}
+    for place in range(max(map(len, problems.values()), default=0)):
+        due = [n for n in problems if place < len(problems[n]) and n not in batch.failed]
+        if place and due:
+            label = problems[due[0]][place].contact.label_of("closure")
+            clock.progress(f"the contact of the {label}")
+        own = {n: sources[n][place] for n in due}
+        for n, evaluation in _evaluated({n: problems[n][place] for n in due}, own, batch, clock).items():
+            found[n].append(evaluation)
+    return batch.each(found, lambda n: _under_common_loads(found[n]))
+
+
+def _under_common_loads(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
+    """Evaluations of one seal under the loads that all of them can carry."""
+    failures = [evaluation.solved.failures for evaluation in evaluations]
+    return tuple(
+        evaluation.without({n: error for other in failures for n, error in other.items()})
+        for evaluation in evaluations
     )
 
 

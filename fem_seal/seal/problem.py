@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -17,6 +17,7 @@ import numpy as np
 
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.checks import face_remarks, refused_loads
+from fem_seal.case.tables import curves
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, round_sizing
@@ -112,6 +113,9 @@ class Loads:
         Preload of bolts for each load [N], where each load has its own; the bodies go through it before the fluid acts.
     solved : bool
         Whether the forces of the bolts stand in the points; their preloads do before.
+    along_path : bool
+        Whether all bodies go through them in load steps, those that are elastic as well, because one of the seal
+        yields.
     """
 
     points: tuple[tuple[float, float], ...]
@@ -123,6 +127,7 @@ class Loads:
     bolts: Bolts | None = None
     tightened: tuple[float, ...] = ()
     solved: bool = False
+    along_path: bool = False
 
     @property
     def lifted(self) -> bool:
@@ -138,7 +143,7 @@ class Loads:
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
         load, earlier, bolts = case.load, case.load.earlier, None if case.bolts is None else bolts_of(case)
-        refused = {number: why for half in case.halves[::-1] for number, why in refused_loads(half).items()}
+        refused = {number: why for part in case.parts[::-1] for number, why in refused_loads(part).items()}
         preloads = () if bolts is None else tuple(force for _, force in load.points)
         if len(set(preloads)) == 1:
             earlier, preloads = (0.0, preloads[0]), ()
@@ -151,6 +156,7 @@ class Loads:
             earlier,
             bolts,
             preloads,
+            along_path=any(map(curves, case.parts)),
         )
 
     @property
@@ -394,10 +400,6 @@ class SealProblem:
     gasket : Gasket or None
         Of two sealing faces, through which fluid leaks side by side; None of a valve seat. The bodies are those of one
         face: a flange, as closure, and the upper half of the gasket, as seat.
-    lower_half : SealProblem or None
-        With the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
-    beside_path : bool
-        Whether this is a half of a gasket of which a body yields, in this half or in the other one.
     """
 
     contact: ContactGeometry
@@ -414,19 +416,17 @@ class SealProblem:
     file: Path | None = None
     given_law: Law | None = None
     gasket: Gasket | None = None
-    lower_half: SealProblem | None = None
-    beside_path: bool = False
 
     @classmethod
     def of(cls, case: CaseTables) -> SealProblem:
-        """The problem that a case poses.
+        """The problem that a case poses, of several the first one, see `problems_of`.
 
         Parameters
         ----------
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
-        case, (_, *lower) = warmed(case) if case.conducts_heat else case, case.halves
+        case = warmed(case) if case.conducts_heat else case
         return cls(
             contact=case.contact,
             materials={name: case.table_of(name).material for name in ("closure", "seat")},
@@ -443,17 +443,7 @@ class SealProblem:
             origin=SurfaceOrigin.of(case),
             file=case.file,
             gasket=None if case.gasket is None else Gasket((case.gasket.stop or math.inf) / case.faces),
-            lower_half=cls.of(lower[0]) if lower else None,
         )
-
-    @property
-    def halves(self) -> tuple[SealProblem, ...]:
-        """The problem with each of two different flanges on both faces; only itself where they are alike."""
-        if self.lower_half is None:
-            return (self,)
-        path = self.follows_path
-        lower = replace(self.lower_half, loads=self.loads, beside_path=path)
-        return replace(self, lower_half=None, beside_path=path), lower
 
     @cached_property
     def law(self) -> Law:
@@ -531,9 +521,8 @@ class SealProblem:
 
     @property
     def follows_path(self) -> bool:
-        """Whether a body of the seal yields, so that its loads are a path on which both halves of a gasket go."""
-        below = self.lower_half is not None and self.lower_half.follows_path
-        return below or self.beside_path or bool(self.curves)
+        """Whether a body of the seal yields, so that its loads are a path."""
+        return self.loads.along_path or bool(self.curves)
 
     def circumference(
         self, contact: ContactSolution, law: Law | None = None, near: Circumference | None = None
@@ -568,6 +557,30 @@ class SealProblem:
     def leaks(self) -> bool:
         """Whether there is a leak rate: it takes roughness and fluid."""
         return self.surface is not None and self.flow is not None
+
+
+def problems_of(case: CaseTables) -> tuple[SealProblem, ...]:
+    """The problems that a case poses: one of each of its parts, under the same loads.
+
+    Each of them is a whole seal that has the contact of this part alone; the leak rate of the case is their mean.
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    first, others = SealProblem.of(case), case.parts[1:]
+    return (first, *under_loads(map(SealProblem.of, others), first.loads))
+
+
+def under_loads(problems: Iterable[SealProblem], loads: Loads) -> tuple[SealProblem, ...]:
+    """The problems of one seal under other loads.
+
+    Parameters
+    ----------
+    problems : iterable of SealProblem
+    loads : Loads
+    """
+    return tuple(replace(problem, loads=loads) for problem in problems)
 
 
 def rough_contact(case: CaseTables) -> RoughContact | None:
@@ -801,8 +814,6 @@ def largest_force(problem: SealProblem) -> float:
     ----------
     problem : SealProblem
     """
-    if problem.lower_half is not None:
-        return min(map(largest_force, problem.halves))
     contact, modulus = problem.contact, problem.effective_modulus
     r0, R = contact.initial_contact_radius, contact.relative_radius
     if math.isinf(R):
@@ -831,41 +842,30 @@ class SealFlow:
         Of which the expected contacts are.
     surface : RoughContact
     flow : FlowModel
-    scenario : callable or None
-        Gives the problem of the same contacts of whose surface and fluid it is, where that is another one.
     """
 
     problem: SealProblem
     surface: RoughContact
     flow: FlowModel
-    scenario: Callable[[SealProblem], SealProblem] | None = None
 
     @classmethod
-    def of(
-        cls, problem: SealProblem, scenario: Callable[[SealProblem], SealProblem] | None = None
-    ) -> SealFlow | None:
+    def of(cls, problem: SealProblem, scenario: SealProblem | None = None) -> SealFlow | None:
         """The flow of a problem; None without roughness or fluid.
 
         Parameters
         ----------
         problem : SealProblem
-        scenario : callable, optional
-            Gives the problem of the same contacts of whose surface and fluid it is; the problem itself unless given.
+        scenario : SealProblem, optional
+            Of the same contacts, of whose surface and fluid it is; the problem itself unless given.
         """
-        changed = problem if scenario is None else scenario(problem)
+        changed = scenario or problem
         if changed.surface is None or changed.flow is None:
             return None
-        return cls(problem, changed.surface, changed.flow, scenario)
-
-    @cached_property
-    def _of_halves(self) -> list[SealFlow]:
-        flows = [SealFlow.of(half, self.scenario) for half in self.problem.halves]
-        return [flow for flow in flows if flow is not None]
+        return cls(problem, changed.surface, changed.flow)
 
     def expected_rate(self, contact_force: float, fluid_pressure: float) -> float:
         """Leak rate of `expected_profile` under a force F_N [N] at a pressure difference [Pa] [m^3/s]."""
-        profiles = [(flow, flow.expected_profile(contact_force)) for flow in self._of_halves]
-        return sum(flow.leak(profile, fluid_pressure).leak_rate for flow, profile in profiles) / len(profiles)
+        return self.leak(self.expected_profile(contact_force), fluid_pressure).leak_rate
 
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""

@@ -57,10 +57,6 @@ class Source:
         """The problem as it is solved with what comes from here."""
         return problem
 
-    def of_face(self, number: int) -> Source:
-        """The source for the upper (0) or the lower (1) of two different flanges on both faces of a gasket."""
-        return self
-
     def bodies(
         self, problem: SealProblem, wanted: Sizing, clock: Clock
     ) -> tuple[SealMesh | None, ContactModel]:
@@ -237,8 +233,6 @@ class NearSolved(Source):
     whole_paths : bool
         Whether bodies that yield go through all their loads, instead of being linearised at each of the known ones;
         they do where their modulus changes.
-    lower_half : NearSolved or None
-        Near the solved seal with the lower one of two different flanges on both faces.
     """
 
     solved: SealProblem
@@ -247,14 +241,9 @@ class NearSolved(Source):
     loads: Sequence[LoadResult]
     numbers: tuple[int, ...]
     whole_paths: bool = False
-    lower_half: NearSolved | None = None
 
     # residual of the contacts, and so the relative error of their pressures
     settings = ContactSettings(1e-4, 1e-4)
-
-    def of_face(self, number: int) -> Source:
-        """Near the solved seal with one of its two flanges on both faces."""
-        return self.lower_half if number and self.lower_half is not None else self
 
     def problem(self, problem: SealProblem) -> SealProblem:
         """With the law of the solved problem where it is the same, so that its contacts are, too."""

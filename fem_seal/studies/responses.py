@@ -17,9 +17,9 @@ from typing import Any, TypeVar
 import scipy.interpolate  # noqa: F401
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Request
+from fem_seal.answers.answer import Answer, Request, loads_of
 from fem_seal.answers.bolts import BOLTS
-from fem_seal.answers.case_load import CaseLoad, solved_seal
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import PassProbability, Verdict
@@ -36,7 +36,7 @@ from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
 from fem_seal.seal.heating import warmed
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import problems_of
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASS_COLUMNS, is_of_bolts, is_target
@@ -126,8 +126,8 @@ def evaluate_designs(
     if FORCE_FOR_VERDICT in columns:
         return batch.each(cases, lambda number: _with_verdict_force(cases[number], columns))
     cases = batch.each(cases, lambda number: warmed(cases[number]))
-    sources = {n: _source(case, columns, interpolate) for n, case in cases.items()}
-    problems = batch.each(cases, lambda number: SealProblem.of(cases[number]))
+    problems = batch.each(cases, lambda number: problems_of(cases[number]))
+    sources = {n: (_source(cases[n], columns, interpolate),) * len(each) for n, each in problems.items()}
     evaluations = evaluate_many(problems, sources, batch)
     loads = batch.each(evaluations, lambda number: _add_answers(evaluations[number], cases[number], columns))
     # for the checks alone the table would take too long
@@ -154,7 +154,7 @@ def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     return _SOURCES[stress, interpolate]
 
 
-def _add_answers(evaluation: Evaluation, case: Case, columns: Sequence[str]) -> CaseLoad:
+def _add_answers(evaluations: Sequence[Evaluation], case: Case, columns: Sequence[str]) -> CaseLoad:
     """The only load of a design with the answers that its columns need."""
     answers: list[Answer[Any]] = [OPENING]
     if any(map(is_target, columns)):
@@ -163,13 +163,17 @@ def _add_answers(evaluation: Evaluation, case: Case, columns: Sequence[str]) -> 
         answers.append(BOLTS)
     if not _OWN_CONTACTS.isdisjoint(columns):
         answers.append(OWN_CONTACTS)
-    if evaluation.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
+    if evaluations[0].seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
-    return answered(solved_seal(evaluation, case), Request(evaluation.solver, SILENT), answers).loads[0]
+    return answered(
+        SolvedSeal.of(evaluations, case, loads_of(evaluations)),
+        Request(evaluations[0].solver, SILENT),
+        answers,
+    ).loads[0]
 
 
 def _check_validity(
-    evaluation: Evaluation,
+    evaluations: Sequence[Evaluation],
     load: CaseLoad,
     case: Case,
     columns: Sequence[str],
@@ -182,15 +186,18 @@ def _check_validity(
     with_chance = not PASS_COLUMNS.isdisjoint(columns)
     usual_only = leaks and not (with_samples or with_chance)
     by_table = partial(validity_of, by_table=leaks and interpolate)
-    judge = partial(load.validity_by, partial(by_table, usual_only=usual_only), evaluation)
+    judge = partial(load.validity_by, partial(by_table, usual_only=usual_only), evaluations)
     load = load.with_values(validity=_calculate_or_default(judge, NOT_JUDGED))
     has_interval = True
     if with_samples:
-        request, seal = Request(evaluation.solver, SILENT), solved_seal(evaluation, case).with_loads([load])
+        request, seal = (
+            Request(evaluations[0].solver, SILENT),
+            SolvedSeal.of(evaluations, case, loads_of(evaluations)).with_loads([load]),
+        )
         (load,) = answered(seal, request, [UNCERTAINTY]).loads
         has_interval = UNCERTAINTY.of(request.answers) is not None
         if not has_interval:
-            judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluation)
+            judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluations)
             load = load.with_values(validity=_calculate_or_default(judge, NOT_JUDGED))
     judgement = (
         _calculate_or_default(partial(load_verdict, case, load, sampled=has_interval), None)
@@ -200,7 +207,9 @@ def _check_validity(
     chance: PassProbability | None = None
     if with_chance:
         try:
-            (chance,) = pass_probabilities(solved_seal(evaluation, case).with_loads([load]))
+            (chance,) = pass_probabilities(
+                SolvedSeal.of(evaluations, case, loads_of(evaluations)).with_loads([load])
+            )
         except _FAILURES as error:
             if PASS_COLUMNS.issuperset(columns):
                 raise

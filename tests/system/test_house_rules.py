@@ -66,7 +66,6 @@ FIELDS = {
     },
     SealProblem: {
         "at_rest",
-        "beside_path",
         "contact",
         "contact_size",
         "file",
@@ -76,7 +75,6 @@ FIELDS = {
         "given_law",
         "interface",
         "loads",
-        "lower_half",
         "materials",
         "origin",
         "supports",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.two_flanges import GasketLoad
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
-from fem_seal.seal.both_faces import share_of
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import fixed_unit
 
@@ -23,8 +23,9 @@ def lands_in_words(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     load = result.highest
-    if len(load.contact_loads) > 1:
-        return [_shares(*load.contact_loads)]
+    if isinstance(load, GasketLoad):
+        share = load.upper_share()
+        return [phrase("faces.result", "share", upper=share, lower=1.0 - share)]
     unit = fixed_unit("N/mm")
     carried = ", ".join(f"{unit.of(one.moment(0)):.3g}" for one in load.profiles) + f" {unit.name}"
     told = [phrase("lands.result", "carry", load=load_name(load, result.loads), carried=carried)]
@@ -49,16 +50,9 @@ def hardest_land(load: CaseLoad) -> str:
     return phrase("lands.result", "hardest", number=peaks.index(max(peaks)) + 1)
 
 
-def _shares(upper: CaseLoad, lower: CaseLoad) -> str:
-    """Share of each face in the leak."""
-    assert upper.leak is not None and lower.leak is not None  # both faces are known
-    share = share_of(upper.leak, lower.leak)
-    return phrase("faces.result", "share", upper=share, lower=1.0 - share)
-
-
 def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
-    alike, (columns, contacts) = len(result.highest.contact_loads) == 1, contact_rows(result)
+    alike, (columns, contacts) = not isinstance(result.highest, GasketLoad), contact_rows(result)
     rows = [dict(zip(columns, row, strict=True)) for row in contacts]
     for row in rows:
         name = str(row["contact"])
@@ -70,7 +64,7 @@ def _section(result: SealSolution) -> Section | None:
 
 
 SHOWN = Shown(
-    lambda result: max(len(result.highest.profiles), len(result.highest.contact_loads)) > 1,
+    lambda result: max(len(result.highest.profiles), len(result.highest.parts)) > 1,
     section=_section,
     lines=lands_in_words,
 )

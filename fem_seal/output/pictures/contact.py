@@ -575,28 +575,28 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    faces = [one for one in result.faces if one.unloaded is not None and one.unloaded.imprints]
-    if not faces:
+    yielded = [part for part in result.parts if part.unloaded is not None and part.unloaded.imprints]
+    if not yielded:
         return None
-    # of two different flanges the upper one, if it has yielded
-    face, unloaded = faces[0], faces[0].unloaded
+    # of several the first one that has yielded
+    part, unloaded = yielded[0], yielded[0].unloaded
     assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
-    _imprints(depth, unloaded, face.problem.contact)
-    strains = _strains(strain, face, unloaded)
+    _imprints(depth, unloaded, part.problem.contact)
+    strains = _strains(strain, part, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
         phrase(
             "captions.imprint",
             "one",
-            body=face.problem.contact.label_of(name),
+            body=part.problem.contact.label_of(name),
             imprint=imprint,
             digits=digits,
         )
         for name, imprint in unloaded.imprints.items()
     )
     return captioned(
-        figure, "imprint", "all", imprints=imprints, strains=strains, **face.problem.contact.labels
+        figure, "imprint", "all", imprints=imprints, strains=strains, **part.problem.contact.labels
     )
 
 

@@ -311,7 +311,8 @@ def yielding_table(result: SealSolution) -> ReadableTable:
     loads = result.loads if result.unloaded is not None else ()
     for whole in loads:
         zones = whole.zones
-        for body, (load, name) in whole.named_bodies.items():
+        for body, (number, name) in whole.named_bodies.items():
+            load = whole.parts[number]
             assert isinstance(load.contact, ElastoplasticContact)
             if name not in load.contact.bodies:
                 continue

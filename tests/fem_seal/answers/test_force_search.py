@@ -11,7 +11,7 @@ from sample_results import case, run_loads
 
 from fem_seal.answers.force_search import End, Zero, find_zero
 from fem_seal.answers.target import contacts_at_target
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import problems_of
 
 ACCURACY = 1e-6
 
@@ -76,7 +76,7 @@ def test_below_what_is_known_the_smallest_known_force_is_the_answer() -> None:
 @pytest.mark.parametrize("target", [1e-7, 1e-9])
 def test_a_force_put_back_into_the_case_leaks_the_target(load: dict[str, object], target: float) -> None:
     of = case(load={"applied_force": "3 kN", **load})
-    for found in contacts_at_target(SealProblem.of(of), target):
+    for found in contacts_at_target(problems_of(of), target):
         assert found.leak is not None
         assert found.leak.leak_rate == pytest.approx(target, rel=2e-5)
         again = of.replace(

@@ -13,7 +13,8 @@ from scipy.special import ndtr, ndtri
 
 import fem_seal
 from fem_seal.answers import pass_probability as module
-from fem_seal.answers.case_load import solved_seal
+from fem_seal.answers.answer import loads_of
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.response_surface import Polynomials, fit_with_prior
@@ -46,7 +47,8 @@ def one(leak_rate="1e-8 m^3/s", **tables):
 
 def seal_of(wanted):
     """Its solved seal without answers."""
-    return solved_seal(evaluate(SealProblem.of(wanted)), wanted)
+    evaluations = [evaluate(SealProblem.of(wanted))]
+    return SolvedSeal.of(evaluations, wanted, loads_of(evaluations))
 
 
 @cache
@@ -167,7 +169,7 @@ def test_complete_runs_of_a_finish_find_the_same_share_within_its_standard_error
     seal, every = seal_of(wanted), 64
     samples = Samples.of(seal, wanted.sampled)
     # each of them solved as a run is, with a table of its own
-    rates = np.array([exact_rate(samples.problem(number)) for number in range(every)])
+    rates = np.array([exact_rate(*samples.problems(number)) for number in range(every)])
     assert samples.leak_rates(range(8))[:, 0, 0] == pytest.approx(rates[:8], rel=0.01)
     limit = float(np.quantile(rates, share))
     found, error = passing(seal, limit), seal.loads[0].flow_error

@@ -99,7 +99,7 @@ def test_a_sample_is_what_a_whole_run_with_its_inputs_gives():
     uniform = np.array(
         [[factor for factor in CHANGES.values()]]
     )  # 1 + 0.5 (2 u - 1) = factor for u = factor - 0.5
-    samples = Samples(rough_result(), inputs, uniform - 0.5)
+    samples = Samples(rough_result(), (inputs,), uniform - 0.5)
     # another mesh, and a conductivity table of few pressures
     np.testing.assert_allclose(samples.leak_rates([0])[0].ravel(), readings(expected), rtol=2e-3)
 
@@ -137,7 +137,7 @@ def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
     for end, outer, quantile in ((interval.low, np.minimum, 0.05), (interval.high, np.maximum, 0.95)):
         factor = math.exp(0.1 * norm.ppf(quantile))
         uniform = np.array([[0.5 * (1 + (factor - 1) / 0.9)]])
-        samples = Samples(result, (UncertainInput("hardness", "uniform", 0.9),), uniform)
+        samples = Samples(result, ((UncertainInput("hardness", "uniform", 0.9),),), uniform)
         # 2048 Sobol samples know the quantile to 1e-3 of its probability
         conserved, capped = samples.leak_rates([0])[0]
         np.testing.assert_allclose(end, outer(conserved, capped), rtol=3e-3)
@@ -588,7 +588,7 @@ def test_result_files_hold_the_interval(tmp_path):
 def test_samples_flow_as_the_case_does(tables):
     """A sample with all factors one has the leak rate of the case, whatever flows and however."""
     result = run_loads(case(load={"fluid_pressure": "5 bar"}, **tables))
-    samples = Samples(result, (UncertainInput("rms_height", "uniform", 0.5),), np.array([[0.5]]))
+    samples = Samples(result, ((UncertainInput("rms_height", "uniform", 0.5),),), np.array([[0.5]]))
     expected = readings(result) if result.case.leak.plasticity else rates(result)
     # tables of 24 and 64 pressures
     if "fluid" in tables:

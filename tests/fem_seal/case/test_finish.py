@@ -9,7 +9,8 @@ import pytest
 from places import EXAMPLES
 
 import fem_seal
-from fem_seal.answers.case_load import solved_seal
+from fem_seal.answers.answer import loads_of
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.answers.samples import Samples
@@ -184,7 +185,7 @@ def test_samples_are_the_whole_calculations_with_their_inputs(solved):
 
     samples = Samples.of(solved, Uncertainty(samples=16, seed=2))
     for number in range(2):
-        rates = [load.leak.leak_rate for load in evaluate(samples.problem(number)).loads]
+        rates = [load.leak.leak_rate for load in evaluate(*samples.problems(number)).loads]
         assert samples.leak_rates([number])[0, 0] == pytest.approx(rates, rel=5e-3)
 
 
@@ -338,7 +339,8 @@ def test_samples_at_both_ends_are_those_of_the_single_values_and_bracket_the_int
     seals = {}
     for name, entries in {"range": RANGE, "low": LAPPED, "high": {**LAPPED, "Ra": "0.4 um"}}.items():
         case = base.replace_written({"roughness": {"seat": entries}})
-        seals[name] = solved_seal(evaluate(SealProblem.of(case)), case)
+        evaluations = [evaluate(SealProblem.of(case))]
+        seals[name] = SolvedSeal.of(evaluations, case, loads_of(evaluations))
     found = {name: leak_interval(seal) for name, seal in seals.items()}
     assert found["range"].inputs == ("Ra", *found["low"].inputs)
     for end in ("low", "median", "high"):

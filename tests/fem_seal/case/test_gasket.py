@@ -121,11 +121,11 @@ def test_dimensions_that_are_left_open_are_those_of_the_body() -> None:
 def test_a_seat_is_the_lower_flange() -> None:
     same = {"shape": "disc", "radius": "3 cm", "material": STEEL}
     case = Case(**tables(seat=same))
-    assert case.contact == Case(**tables()).contact and len(case.halves) == 1
-    lower = Case(**tables(seat={**same, "radius": "31 mm"})).halves[-1]
-    assert lower.closure.radius == 0.031 and len(lower.halves) == 1
+    assert case.contact == Case(**tables()).contact and len(case.parts) == 1
+    lower = Case(**tables(seat={**same, "radius": "31 mm"})).parts[-1]
+    assert lower.closure.radius == 0.031 and len(lower.parts) == 1
     # a number in SI as in any other table
-    moved = Case(**tables(seat={**same, "radius": 0.031})).replace({"seat.radius": 0.032}).halves[-1]
+    moved = Case(**tables(seat={**same, "radius": 0.031})).replace({"seat.radius": 0.032}).parts[-1]
     assert moved.closure.radius == 0.032
     assert "seat.shape" in problems(seat={"shape": "lands", "material": STEEL})
     assert "seat.radius" in problems(seat={"shape": "disc", "material": STEEL})

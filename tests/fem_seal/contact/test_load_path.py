@@ -29,7 +29,7 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.load_result import different, load_axis, load_name
-from fem_seal.seal.problem import SealProblem, larger_housing
+from fem_seal.seal.problem import SealProblem, larger_housing, problems_of
 from leak import LeakResult, Reading
 
 VALVE = {
@@ -352,7 +352,7 @@ def test_a_single_pressure_under_several_forces_is_told_once():
         }
     )
     # that any force meets it is one remark and not three
-    assert len(target_remarks(SealProblem.of(several))) == 1
+    assert len(target_remarks(problems_of(several))) == 1
     loads = [
         CaseLoad(5e5, force, None).with_values(leak=LeakResult(1e-9, 1e15, None)) for force in (0.0, 200.0)
     ]

@@ -141,7 +141,7 @@ def test_between_edges_the_elements_are_far_fewer_and_the_numbers_those_of_a_run
     case = load_case(EXAMPLES / "poppet_on_land.toml")
     run, screen = fem_seal.run(case), Session(case).answer({})
     problem = SealProblem.of(case)
-    evaluation, _ = solve_live_loads(case, problem, live_loads(problem))
+    (evaluation,), _ = solve_live_loads(case, [problem], live_loads(problem))
     assert len(evaluation.model.line.x) < 0.6 * len(run.model.line.x)
     for number, load in enumerate(screen.loads):
         expected = columns(run, number)
@@ -866,7 +866,7 @@ def test_a_body_that_a_slider_leaves_as_it_is_is_not_condensed_again(monkeypatch
 def test_a_load_that_comes_again_is_solved_once():
     case = load_case(EXAMPLES / "relief_valve.toml")
     problem = SealProblem.of(case)
-    evaluation, own = solve_live_loads(case, problem, live_loads(problem))
+    (evaluation,), own = solve_live_loads(case, [problem], live_loads(problem))
     contacts, loads = evaluation.solved.contacts[:own], evaluation.loads[:own]
     for first, again in ((0, 4), (1, 3)):
         assert contacts[first] is contacts[again] and loads[first] is loads[again]

@@ -15,8 +15,8 @@ import pytest
 
 import leak
 from fem_seal import Case, SealResult, run
-from fem_seal.answers.answer import Request
-from fem_seal.answers.case_load import solved_seal
+from fem_seal.answers.answer import Request, loads_of
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.contact.plastic_step import press
@@ -175,7 +175,9 @@ def test_a_yielding_ring_springs_back_by_less_than_it_was_pressed() -> None:
     }
     given = tables(COPPER, load=loads, **others)
     found, case = solved(given), Case(**given)
-    compression = COMPRESSION.compute(solved_seal(found, case), Request(found.solver, SILENT))
+    compression = COMPRESSION.compute(
+        SolvedSeal.of([found], case, loads_of([found])), Request(found.solver, SILENT)
+    )
     loaded, partly, free = compression.steps
     assert (loaded.load_step, partly.load_step, free.load_step) == (1, 2, 3)
     assert loaded.compression > partly.compression > free.compression == compression.left > 0
@@ -203,7 +205,7 @@ def test_the_force_for_a_target_of_a_yielding_ring_is_found_on_one_path(
     target = 0.7 * own.leak.leak_rate
     monkeypatch.setattr("fem_seal.contact.load_path.press", counted)
     problem = SealProblem.of(Case(**given))
-    (found,) = contacts_at_target(problem, target)
+    (found,) = contacts_at_target([problem], target)
     assert found.leak is not None and found.leak.leak_rate == pytest.approx(target, rel=1e-5)
     # one path of 16 steps on each mesh, and a step or two for each force
     assert steps < 60
@@ -213,7 +215,7 @@ def test_the_force_for_a_target_of_a_yielding_ring_is_found_on_one_path(
     assert alone.leak is not None and alone.leak.leak_rate == pytest.approx(target, rel=5e-3)
     # beyond small strains: what was reached
     with pytest.raises(InputError, match=r"a contact force of .* leaves .* at 1 bar, and") as caught:
-        contacts_at_target(problem, 1e-30)
+        contacts_at_target([problem], 1e-30)
     assert caught.value.key == "load.target_leak_rate"
 
 

@@ -158,7 +158,7 @@ def test_less_force_meets_a_target_after_a_proof_load() -> None:
     forces = []
     for earlier in (None, "6 kN"):
         problem = SealProblem.of(steps(("1 kN",), earlier, {"target_leak_rate": "0.03 cm^3/s"}))
-        (found,) = contacts_at_target(problem, target)
+        (found,) = contacts_at_target([problem], target)
         assert found.leak is not None
         assert found.leak.leak_rate == pytest.approx(target, rel=1e-4)
         forces.append(found.applied_force)

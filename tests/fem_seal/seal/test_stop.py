@@ -315,10 +315,10 @@ def test_no_force_meets_a_target_beyond_the_stop() -> None:
         replace(elastic().problem, loads=replace(elastic().problem.loads, target_leak_rate=share * rate))
         for share in (2.0, 0.5)
     )
-    found = contacts_at_target(loose)[0]
+    found = contacts_at_target([loose])[0]
     assert found.contact_force < at.contact_force
     with pytest.raises(InputError, match="before the flanges meet"):
-        contacts_at_target(tight)
+        contacts_at_target([tight])
 
 
 def test_a_scratch_leaks_at_the_stop_as_under_the_force_of_the_gasket() -> None:

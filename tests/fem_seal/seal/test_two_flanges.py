@@ -10,9 +10,9 @@ import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, tables
 
 from fem_seal import Case, SealResult, run
+from fem_seal.answers.two_flanges import mean_leak, share_of
 from fem_seal.output.report.page import report
 from fem_seal.output.tables import contact_rows
-from fem_seal.seal.both_faces import mean_leak, share_of
 from leak import LeakResult
 
 

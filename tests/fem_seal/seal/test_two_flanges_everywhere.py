@@ -13,7 +13,8 @@ import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, STEEL, surface, tables
 
 from fem_seal import Case, SealResult, blow_off_pressures, calibrate, run
-from fem_seal.answers.case_load import SolvedSeal, loads_of, solved_seal
+from fem_seal.answers.answer import loads_of
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.leakage_class import nominal_size, seal_length
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
@@ -22,8 +23,8 @@ from fem_seal.answers.verdict import seal_verdict, with_verdicts
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.live import live_screen
 from fem_seal.output.columns import COLUMNS
-from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.evaluate import evaluate_seal
+from fem_seal.seal.problem import SealProblem, problems_of
 from fem_seal.studies.responses import evaluate_design
 
 CLOSE = {"hardness": {"relative": 0.1}, "samples": 64}
@@ -38,15 +39,15 @@ UNLIKE = case(DISC, BOTH, seat=CONE)
 SWAPPED = case(CONE, {"closure": BOTH["seat"], "seat": BOTH["closure"]}, seat=DISC)
 
 
-def of_two_equal_faces(one: Case) -> SealProblem:
-    """The problem of alike flanges on the way of different ones."""
-    problem = SealProblem.of(one)
-    return replace(problem, lower_half=problem)
+def of_two_equal_faces(one: Case) -> tuple[SealProblem, ...]:
+    """The problems of alike flanges on the way of different ones."""
+    return (*problems_of(one), *problems_of(one))
 
 
 @cache
 def seal_of(one: Case) -> SolvedSeal:
-    return solved_seal(evaluate(SealProblem.of(one)), one)
+    evaluations = evaluate_seal(problems_of(one))
+    return SolvedSeal.of(evaluations, one, loads_of(evaluations))
 
 
 def rates(seal: SolvedSeal) -> list[float]:
@@ -55,9 +56,9 @@ def rates(seal: SolvedSeal) -> list[float]:
 
 def test_two_equal_faces_leak_as_alike_ones() -> None:
     two = of_two_equal_faces(UPPER)
-    (load,) = loads_of(evaluate(two))
+    (load,) = loads_of(evaluate_seal(two))
     (alike,) = seal_of(UPPER).loads
-    assert len(load.contact_loads) == 2 and len(alike.contact_loads) == 1
+    assert len(load.parts) == 2 and len(alike.parts) == 1
     for one, same in ((load, alike), *((one, alike.scenarios[name]) for name, one in load.scenarios.items())):
         assert one.leak is not None and same.leak is not None
         assert one.leak.leak_rate == pytest.approx(same.leak.leak_rate, rel=1e-9)
@@ -182,12 +183,12 @@ def test_the_share_that_passes_is_that_of_the_mean_of_both_faces() -> None:
 
 def test_the_force_for_a_target_is_that_of_alike_faces_and_of_the_mean() -> None:
     target = 0.5 * rates(seal_of(UPPER))[0]
-    (alike,) = contacts_at_target(SealProblem.of(UPPER), target)
+    (alike,) = contacts_at_target(problems_of(UPPER), target)
     (equal,) = contacts_at_target(of_two_equal_faces(UPPER), target)
-    assert len(equal.contact_loads) == 2
+    assert len(equal.parts) == 2
     assert equal.applied_force == pytest.approx(alike.applied_force, rel=1e-9)
     target = 0.8 * rates(seal_of(UNLIKE))[0]
-    forces = [contacts_at_target(SealProblem.of(one), target)[0].applied_force for one in (UNLIKE, SWAPPED)]
+    forces = [contacts_at_target(problems_of(one), target)[0].applied_force for one in (UNLIKE, SWAPPED)]
     assert forces[0] == pytest.approx(forces[1], rel=1e-5)
     found = seal_of(UNLIKE.replace({"load.applied_force": forces[0]}))
     assert rates(found)[0] == pytest.approx(target, rel=1e-3)
@@ -283,7 +284,7 @@ def test_a_seal_of_which_one_flange_yields_is_the_same_upside_down() -> None:
     assert low.compression.left == pytest.approx(high.compression.left, rel=1e-9)
     assert list(low.imprints) == ["lower closure"] and list(high.imprints) == ["closure"]
     # both faces remember: they are tighter than on the way up, as far as the elastic half springs back
-    for before, after in zip(low.loads[0].contact_loads, low.loads[2].contact_loads, strict=True):
+    for before, after in zip(low.loads[0].parts, low.loads[2].parts, strict=True):
         assert after.leak.leak_rate < before.leak.leak_rate
     alone = seal_of(case(DISC, FINE, load=load, mesh={"contact_size": "20 um"}))
     for one, other in zip(low.loads, alone.loads, strict=True):
