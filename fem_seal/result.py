@@ -92,7 +92,7 @@ class SealResult(SealSolution):
     >>> [round(force) for force in result["contact_force"]]
     [1257]
     >>> list(result.table.columns[:3])
-    ['fluid_pressure_Pa', 'contact_force_N', 'line_load_N_per_m']
+    ['fluid_pressure_Pa', 'applied_force_N', 'contact_force_N']
     """
 
     def __repr__(self) -> str:
@@ -117,16 +117,23 @@ class SealResult(SealSolution):
         """A column of the table, with or without its unit: ``result["leak_rate"]``; KeyError if there is none."""
         from fem_seal.output.columns import column_named
 
-        return self.table[column_named(name, self.table.columns)]
+        return self.table[column_named(name, self.table.columns, self.case)]
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row per load, the columns of leak.csv."""
+        """One row per load, the columns of leak.csv: those that belong to the tables of the case."""
         from fem_seal.output.tables import leak_table
 
         return leak_table(self)
 
-    def write(self, folder: str | os.PathLike[str]) -> Path:
+    @cached_property
+    def all_columns(self) -> pd.DataFrame:
+        """The same with every column that there is, also those that stay empty in this case or repeat another one."""
+        from fem_seal.output.tables import leak_table
+
+        return leak_table(self, every=True)
+
+    def write(self, folder: str | os.PathLike[str], *, all_columns: bool = False) -> Path:
         """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
 
         They take the places of those of an earlier run together; a file ``UNFINISHED.txt`` stands in the folder
@@ -138,6 +145,8 @@ class SealResult(SealSolution):
         ----------
         folder : path
             Made if it does not exist.
+        all_columns : bool
+            Whether leak.csv and summary.json have every column, as `all_columns` has.
 
         Raises
         ------
@@ -152,7 +161,7 @@ class SealResult(SealSolution):
         from fem_seal.output.folders import folder_lock
 
         with folder_lock(Path(folder)), returned_memory(), shown_in(*self.case.display_units):
-            for failure in write(self, Path(folder)):
+            for failure in write(self, Path(folder), every=all_columns):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
 

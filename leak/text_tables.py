@@ -365,7 +365,8 @@ def _without_empty(table: TextTable) -> TextTable:
         columns -= 1
     if columns == table.values.shape[1]:
         return table
-    header = _header([line for _, line in table.above], columns)
+    # the line of names ends with a separator, too, or names the empty columns
+    header = _header([line for _, line in table.above], columns) or table.header[:columns]
     return replace(table, header=header, values=table.values[:, :columns])
 
 

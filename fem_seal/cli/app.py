@@ -129,6 +129,7 @@ def run(
     output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
     sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
     details: terminal.Details = False,
+    all_columns: terminal.AllColumns = False,
     quiet: terminal.Quiet = False,
     json: terminal.Json = False,
     debug: terminal.Debug = False,
@@ -142,8 +143,8 @@ def run(
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = seal_result.run(case, progress=progress, sensitivities=sensitivities)
         progress("writing results")
-        failures = files.write(result, folder)
-    _show(result, folder, failures, details=details, quiet=quiet, json=json)
+        failures = files.write(result, folder, every=all_columns)
+    _show(result, folder, failures, details=details, every=all_columns, quiet=quiet, json=json)
 
 
 def _show(
@@ -152,6 +153,7 @@ def _show(
     failures: Sequence[str],
     *,
     details: bool,
+    every: bool,
     quiet: bool,
     json: bool,
 ) -> None:
@@ -161,7 +163,8 @@ def _show(
     from fem_seal.output.tables import leak_rows
 
     if json:
-        data = {"folder": str(folder), "loads": leak_rows(result), "warnings": [*result.warnings, *failures]}
+        rows = leak_rows(result, every=every)
+        data = {"folder": str(folder), "loads": rows, "warnings": [*result.warnings, *failures]}
         terminal.say_json(data | ({"understood": given_in_words(result)} if result.of_profile else {}))
     elif not quiet:
         terminal.show_result(result, details=details)
@@ -286,6 +289,7 @@ def leak(
     case_file: terminal.CaseFile,
     output: Annotated[Path | None, terminal.output_option("PROFILE.leak")] = None,
     details: terminal.Details = False,
+    all_columns: terminal.AllColumns = False,
     quiet: terminal.Quiet = False,
     json: terminal.Json = False,
     debug: terminal.Debug = False,
@@ -301,8 +305,8 @@ def leak(
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = solve_profiles(case, profiles, progress)
         progress("writing results")
-        failures = files.write(result, folder)
-    _show(result, folder, failures, details=details, quiet=quiet, json=json)
+        failures = files.write(result, folder, every=all_columns)
+    _show(result, folder, failures, details=details, every=all_columns, quiet=quiet, json=json)
 
 
 @app.command()

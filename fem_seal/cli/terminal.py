@@ -69,6 +69,7 @@ ResultsFolder = Annotated[Path, argument("common", "results_folder")]
 Quiet = Annotated[bool, option("common", "quiet")]
 Json = Annotated[bool, json_option()]
 Details = Annotated[bool, option("common", "details")]
+AllColumns = Annotated[bool, option("common", "all_columns")]
 Debug = Annotated[bool, option("common", "debug")]
 
 
@@ -324,14 +325,14 @@ def show_leak_table(
     volume : LeakVolume, optional
         State of the leaking volume; that of a liquid unless given.
     """
-    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_columns
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
     from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
     from fem_seal.seal.load_result import MissingLoad
 
     results = [load for load in loads if not isinstance(load, MissingLoad)]
     # what tells the rows apart is the contact force, as far as there is one
-    hidden = {*own_columns(results), *(["applied_force_N"] if len(results) == len(loads) else [])}
+    hidden = {"applied_force_N"} if len(results) == len(loads) else set()
     columns = [
         column
         for column in LEAK_ON_TERMINAL

@@ -12,11 +12,13 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.case_load import CaseLoad
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.case.tables import curves
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.scenarios import SCENARIOS, force_column, leak_rate_column
@@ -35,6 +37,8 @@ from fem_seal.units import (
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad
+    from fem_seal.case.case import Case
+    from fem_seal.case.tables import CaseTables
     from leak import LeakResult
 
 
@@ -69,12 +73,12 @@ class Column:
     ----------
     name : str
         Name in the files; it ends in the SI unit.
-    kind : str
-        Kind of quantity, see `fem_seal.units.unit_for`; empty for a plain number.
     meaning : str
         Text for the reference of the columns.
     of : callable
         Function of a `CaseLoad`: the number in SI, None where nothing was calculated.
+    kind : str
+        Kind of quantity, see `fem_seal.units.unit_for`; empty for a plain number.
     heading : str
         Heading in the report, without a unit.
     title : str
@@ -85,8 +89,10 @@ class Column:
         Name of a column with the same unit in the report, so that the two can be compared.
     spare_digits : int, optional
         Near opening: significant digits beyond those of the contact force; None if the number does not depend on it.
-    needs : sequence of str
-        Tables of the case without which the column stays empty.
+    belongs : sequence of str
+        Names in `CONDITIONS` of what a case has whose results have the column; none means every case.
+    text : bool
+        Whether it holds words.
     most_digits : int
         Largest number of significant digits.
     error_of : str
@@ -94,18 +100,35 @@ class Column:
     """
 
     name: str
-    kind: str
     meaning: str
     of: Callable[[CaseLoad], float | None]
+    kind: str = ""
     heading: str = ""
     title: str = ""
     short: str = ""
     shown_in: str = ""
     unit_like: str = ""
     spare_digits: int | None = None
-    needs: Sequence[str] = ()
+    belongs: Sequence[str] = ()
+    text: bool = False
     most_digits: int = DIGITS
     error_of: str = ""
+
+    def lacking(self, case: CaseTables, varied: Collection[str] = ()) -> Iterator[Condition]:
+        """What a case lacks of what the column belongs to; what follows from varied entries counts as there.
+
+        Parameters
+        ----------
+        case : CaseTables
+        varied : collection of str
+            Paths of the entries that a study varies.
+        """
+        for name in self.belongs:
+            condition = CONDITIONS[name]
+            if not condition.holds(case) and not any(
+                key in path for key in condition.keys for path in varied
+            ):
+                yield condition
 
     @property
     def unit(self) -> str:
@@ -284,59 +307,181 @@ _OF |= {
 }
 
 
-def _columns() -> Iterator[Column]:
-    for name, said in _SAID["loads"].items():
-        yield from _of_scenarios(before=name)
-        yield Column(name, of=_OF.get(name) or attrgetter(split_unit(name)[0]), **said)
-    yield from _of_scenarios(before="")
+@dataclass(frozen=True)
+class Condition:
+    """What a case has whose results have some columns.
+
+    Parameters
+    ----------
+    source : str
+        Key or table of the case that brings them, in words.
+    holds : callable
+        Whether a case has it.
+    keys : sequence of str
+        Parts of the paths of entries that a study may vary and that decide it, too.
+    repeats : bool
+        Whether a column without it is not empty but repeats another one, so that a study may ask for it.
+    """
+
+    source: str
+    holds: Callable[[CaseTables], object]
+    keys: Sequence[str] = ()
+    repeats: bool = False
 
 
-def _of_scenarios(before: str) -> Iterator[Column]:
-    """Columns of scenarios that stand before another column: leak rates, then the others."""
-    here = {name: words for name, words in SCENARIOS.items() if words.columns and words.before == before}
-    for place in range(max((len(words.columns) for words in here.values()), default=0)):
-        for scenario, words in here.items():
-            for kind in words.columns[place : place + 1]:
-                name = force_column(scenario) if kind == "force" else leak_rate_column(scenario)
-                texts: dict[str, Any] = {
-                    key: text.format(scenario=scenario, words=words) if isinstance(text, str) else text
-                    for key, text in _SAID["of_each"][kind].items()
-                }
-                yield Column(name, of=_OF[name], **texts)
+def _has_plasticity(case: CaseTables) -> bool:
+    return case.leak.plasticity and case.hardness is not None
 
+
+def _is_by_paper(case: CaseTables) -> bool:
+    return case.leak.theory == "paper" and case.leak.conductivity != "direct"
+
+
+def _has_interval(case: CaseTables) -> bool:
+    has_error = case.leak.theory == "corrected" or case.leak.conductivity == "direct"
+    return has_error or case.sampled is not None or _has_plasticity(case)
+
+
+def _may_open(case: CaseTables) -> bool:
+    load, forces = case.load, np.atleast_1d(case.load.applied_force)
+    return load.closing == "penetration" or load.pressure_side == "inner" or bool((forces < 0.0).any())
+
+
+_OPENS = 'load.closing = "penetration" or load.pressure_side = "inner"'
+_OPEN_KEYS = ("closing", "pressure_side", "applied_force")
+_LEAK_KEYS = ("leak.theory", "leak.plasticity", "leak.conductivity")
+CONDITIONS = {
+    "roughness": Condition("[roughness]", lambda case: case.roughness),
+    "fluid": Condition("[fluid]", lambda case: case.fluid),
+    "gas": Condition("a gas in [fluid]", lambda case: case.fluid and case.fluid.gas, ("fluid.name",)),
+    "liquid": Condition(
+        "a liquid in [fluid]", lambda case: case.fluid and not case.fluid.gas, ("fluid.name",)
+    ),
+    "density": Condition("fluid.density", lambda case: case.fluid and case.fluid.density, ("fluid.",)),
+    "uncertainty": Condition("[uncertainty]", lambda case: case.sampled),
+    "interval": Condition(
+        '[uncertainty] or leak.theory = "corrected" or leak.plasticity = true',
+        _has_interval,
+        _LEAK_KEYS,
+    ),
+    "plasticity": Condition("leak.plasticity = true", _has_plasticity, _LEAK_KEYS),
+    "paper": Condition('leak.theory = "paper"', _is_by_paper, _LEAK_KEYS),
+    "elastic": Condition("leak.plasticity = true", _has_plasticity, repeats=True),
+    "other theory": Condition('leak.theory = "paper"', _is_by_paper, repeats=True),
+    "every": Condition("--all-columns", lambda case: False, repeats=True),
+    "local": Condition(
+        'leak.fluid_in_gap = "local"', lambda case: case.leak.fluid_in_gap == "local", ("fluid_in_gap",)
+    ),
+    "opens": Condition(_OPENS, _may_open, _OPEN_KEYS),
+    "lifts": Condition(
+        f'{_OPENS} or leak.fluid_in_gap = "local"',
+        lambda case: _may_open(case) or case.leak.fluid_in_gap == "local",
+        (*_OPEN_KEYS, "fluid_in_gap"),
+    ),
+    "penetration": Condition(
+        'load.closing = "penetration"', lambda case: case.load.closing == "penetration", ("closing",)
+    ),
+    "target": Condition(
+        "load.target_leak_rate", lambda case: case.load.target_leak_rate is not None, ("target_leak_rate",)
+    ),
+    "requirement": Condition("[requirement]", lambda case: case.requirement),
+    "parts": Condition(
+        'an entry of [uncertainty] with varies = "part"',
+        lambda case: case.uncertainty and case.uncertainty.of_parts,
+    ),
+    "form": Condition("[form]", lambda case: case.form),
+    "grooves": Condition(
+        "form.scratches or form.lay", lambda case: case.form and (case.form.scratches or case.form.lay)
+    ),
+    "curve": Condition("stress_strain of a material", curves, ("material",)),
+    "temperature": Condition("[temperature]", lambda case: case.temperature),
+    "stop": Condition(
+        "gasket.stop", lambda case: case.gasket and case.gasket.stop is not None, ("gasket.stop",)
+    ),
+    "bolts": Condition("[bolts]", lambda case: case.bolts),
+    "no bolts": Condition("no [bolts]", lambda case: not case.bolts),
+    "scatter": Condition(
+        "bolts.torque_scatter", lambda case: case.bolts and case.bolts.torque_scatter, ("torque_scatter",)
+    ),
+    "one preload": Condition(
+        "no bolts.torque_scatter",
+        lambda case: not (case.bolts and case.bolts.torque_scatter),
+        ("torque_scatter",),
+    ),
+}
 
 # Names of the columns of each table; empty ones are left out.
 SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
 # Of a table in brief.
 MOST_COLUMNS = 6
-COLUMNS = {column.name: column for column in _columns()}
+COLUMNS = {
+    name: Column(name, of=_OF.get(name) or attrgetter(split_unit(name)[0]), **entry)
+    for name, entry in _SAID["loads"].items()
+}
+LEAK_COLUMNS, TEXT_COLUMNS = (
+    tuple(name for name, column in COLUMNS.items() if column.text is text) for text in (False, True)
+)
 
 
-def column_named(name: object, columns: Iterable[str]) -> str:
+def columns_of(case: CaseTables, *, of_profile: bool = False, every: bool = False) -> tuple[Column, ...]:
+    """Columns of leak.csv for a case; what its tables say decides, never what was calculated.
+
+    Parameters
+    ----------
+    case : CaseTables
+    of_profile : bool
+        Whether the contact is a given pressure profile, which has no bodies.
+    every : bool
+        Also those that do not belong to the case.
+    """
+    return tuple(
+        column
+        for name, column in COLUMNS.items()
+        if (not of_profile or name in SHOWN_COLUMNS["of_profiles"])
+        and (every or not any(column.lacking(case)))
+    )
+
+
+def column_named(name: object, columns: Iterable[str], case: CaseTables | None = None) -> str:
     """The column that is meant by its name, with or without its SI unit; of several units the first one.
 
     Parameters
     ----------
     name : str
     columns : iterable of str
+        Of the table.
+    case : CaseTables, optional
+        That of a result, whose tables decide which columns there are.
 
     Raises
     ------
     KeyError
-        If there is none; it says which are spelled like it.
+        If there is none; it says what brings the column, or which are spelled like it.
 
     Examples
     --------
     >>> column_named("leak_rate", LEAK_COLUMNS)
     'leak_rate_m3_per_s'
     """
+    full, known = _by_name(columns), _by_name(COLUMNS)
+    if name in full:
+        return full[str(name)]
+    if name in known:
+        column = COLUMNS[known[str(name)]]
+        missing = [] if case is None else [condition.source for condition in column.lacking(case)]
+        sources = f"it comes with {' and '.join(missing)}; result.all_columns has every column"
+        raise KeyError(
+            f"{column.name} is not in this table: {sources if missing else 'no response names it'}"
+        )
+    near = difflib.get_close_matches(str(name), full, n=3, cutoff=0.5)
+    hint = f"do you mean {' or '.join(near)}? " if near else ""
+    raise KeyError(f'there is no column "{name}"; {hint}.table.columns has all of them')
+
+
+def _by_name(columns: Iterable[str]) -> dict[str, str]:
+    """Columns by their names with and without the SI unit."""
     full = list(columns)
-    known = {split_unit(one)[0]: one for one in reversed(full)} | {one: one for one in full}
-    if name not in known:
-        near = difflib.get_close_matches(str(name), known, n=3, cutoff=0.5)
-        hint = f"do you mean {' or '.join(near)}? " if near else ""
-        raise KeyError(f'there is no column "{name}"; {hint}.table.columns has all of them')
-    return known[str(name)]
+    return {split_unit(name)[0]: name for name in reversed(full)} | {name: name for name in full}
 
 
 def in_full(text: str, taken: Collection[str] = ()) -> str:
@@ -362,20 +507,6 @@ def in_full(text: str, taken: Collection[str] = ()) -> str:
 _NAME = re.compile(r"""\"[^"]*\"|'[^']*'|(?<![\w.])[A-Za-z_]\w*(?![\w.(])""")
 
 
-def own_columns(loads: Sequence[CaseLoad]) -> set[str]:
-    """Columns of the theory that the loads themselves use: they repeat the leak rate.
-
-    Parameters
-    ----------
-    loads : sequence of CaseLoad
-    """
-    return {
-        leak_rate_column(name)
-        for name, words in SCENARIOS.items()
-        if words.own_contact and all(load.scenario(name) is load for load in loads)
-    }
-
-
 def in_words(load: CaseLoad, name: str) -> str:
     """A number of a load for a sentence: with its unit, and no more digits than in the tables.
 
@@ -389,27 +520,8 @@ def in_words(load: CaseLoad, name: str) -> str:
     return quantity_worth(column.kind, column.number(load), column.digits(load))
 
 
-LEAK_COLUMNS = tuple(COLUMNS)
-# Columns for the pressure profile of another program.
-PROFILE_LEAK_COLUMNS = (
-    *SHOWN_COLUMNS["of_profiles"],
-    *(leak_rate_column(name) for name, words in SCENARIOS.items() if words.columns),
-)
-
-
-def known_columns(loads: Sequence[AnyLoad]) -> Sequence[str]:
-    """Names of the columns that loads have: of given contacts those that need no bodies.
-
-    Parameters
-    ----------
-    loads : sequence of CaseLoad or MissingLoad
-    """
-    given = any(not isinstance(load, MissingLoad) and load.of_profile for load in loads)
-    return PROFILE_LEAK_COLUMNS if given else LEAK_COLUMNS
-
-
 # Columns of the loads on the terminal.
-LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in SHOWN_COLUMNS["terminal"])
+LEAK_ON_TERMINAL = tuple(column.on_terminal for column in COLUMNS.values() if column.short)
 # Rows of `fem-seal check` for the case as a whole: name and unit by the key in its JSON.
 CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
 # Columns of `fem-seal check` for the loads: those known before a solve, and the closed forms.
@@ -478,14 +590,27 @@ class ReportColumn:
         return self.volume.name_unit(found) if self.column.kind == "flow" else found
 
 
-def filled_column(name: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID) -> ReportColumn:
-    """A column of leak.csv with the values of loads, None where nothing is known of them."""
-    column = COLUMNS[name]
-    if name not in known_columns(loads):
-        return ReportColumn(column, [None] * len(loads), [0] * len(loads), volume)
-    return ReportColumn(
-        column, [column.value(load) for load in loads], [column.digits(load) for load in loads], volume
-    )
+def filled_columns(case: Case, names: Iterable[str], loads: Sequence[AnyLoad]) -> list[ReportColumn]:
+    """Columns of leak.csv with the values of loads, as far as they belong to the case.
+
+    Parameters
+    ----------
+    case : Case
+    names : iterable of str
+    loads : sequence of CaseLoad or MissingLoad
+    """
+    of_profile = any(isinstance(load, CaseLoad) and load.of_profile for load in loads)
+    columns = {column.name: column for column in columns_of(case, of_profile=of_profile)}
+    return [
+        ReportColumn(
+            columns[name],
+            [columns[name].value(load) for load in loads],
+            [columns[name].digits(load) for load in loads],
+            volume_of(case),
+        )
+        for name in names
+        if name in columns
+    ]
 
 
 def columns_table(columns: Sequence[ReportColumn], none: str = "none measurable") -> ReadableTable:

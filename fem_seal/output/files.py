@@ -38,7 +38,7 @@ from fem_seal.units import attributes
 from fem_seal.version import __version__
 
 
-def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
+def write(result: SealSolution, folder: Path, *, every: bool = False) -> tuple[str, ...]:
     """Write tables, summary, VTK files, mesh and report into a folder.
 
     They replace the files of an earlier run together, or none is written; everything else in the folder is left alone.
@@ -49,6 +49,8 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     result : SealSolution
     folder : pathlib.Path
         Made if it does not exist.
+    every : bool
+        Whether leak.csv and summary.json have all columns, also those that do not belong to the case.
 
     Returns
     -------
@@ -63,7 +65,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     folder, steps = Path(folder), OptionalSteps()
     tables = [name for shown in shown_answers.SHOWN for name in shown.tables]
     with replaced_together(folder, tables=tables) as draft:
-        write_leak_csv(result, draft / "leak.csv")
+        write_leak_csv(result, draft / "leak.csv", every=every)
         write_profile_csv(result, draft / "profile.csv")
         # a full disc affects the other files as well
         for name, write_one in _FILES.items():
@@ -84,7 +86,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
                     write_rows_csv(draft / name, columns, rows)
         with steps.attempt("summary.json", but=OSError):
             warnings = (*result.warnings, *steps.failures)
-            write_summary(replace(result, warnings=warnings), draft / "summary.json", folder)
+            write_summary(replace(result, warnings=warnings), draft / "summary.json", folder, every=every)
     return tuple(steps.failures)
 
 
@@ -107,12 +109,14 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
 FORMAT_VERSION = 2
 
 
-def summary(result: SealSolution) -> dict[str, Any]:
+def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
     """Everything about a result except its fields, in SI, ready for JSON.
 
     Parameters
     ----------
     result : SealSolution
+    every : bool
+        See `write`.
 
     Returns
     -------
@@ -146,7 +150,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "input": resolved_input(result),
         "derived": derived_numbers(case, derive_beside(result)),
         "mesh": None if result.of_profile else mesh_numbers(result),
-        "loads": leak_rows(result),
+        "loads": leak_rows(result, every=every),
         "leakage": leakage_table(result),
         "yielding": [] if result.of_profile else [_yielding(load) for load in result.loads],
         "imprint": None if result.unloaded is None else _imprints(result.imprints),
@@ -163,7 +167,9 @@ def summary(result: SealSolution) -> dict[str, Any]:
     }
 
 
-def write_summary(result: SealSolution, path: Path, folder: Path | None = None) -> Path:
+def write_summary(
+    result: SealSolution, path: Path, folder: Path | None = None, *, every: bool = False
+) -> Path:
     """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null.
 
     Parameters
@@ -172,8 +178,10 @@ def write_summary(result: SealSolution, path: Path, folder: Path | None = None) 
     path : pathlib.Path
     folder : pathlib.Path, optional
         Final folder of the results; that of `path` unless given.
+    every : bool
+        See `write`.
     """
-    content = summary(result)
+    content = summary(result, every=every)
     content["input"]["output"]["folder"] = str((folder or path.parent).absolute())
     return write_text(path, as_json(content) + "\n")
 

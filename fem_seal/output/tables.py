@@ -14,7 +14,7 @@ import numpy as np
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.files import own_tables, write_bytes
-from fem_seal.output.columns import COLUMNS, known_columns
+from fem_seal.output.columns import TEXT_COLUMNS, Column, columns_of
 from fem_seal.seal.findings import (
     NOT_CALCULATED,
     VALID,
@@ -37,14 +37,14 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.seal.load_result import MissingLoad
 
-# Names and meanings of the columns of the other tables; "words" are the columns of leak.csv after its numbers.
+# Names and meanings of the columns of the other tables.
 MEANINGS: dict[str, dict[str, str]] = dict(own_tables("columns.toml")["meanings"])
 MEANINGS["around"] = MEANINGS["around"] | {
     f"leak_rate_{name}_m3_per_s_per_rad": f"the same with {SCENARIOS[name].taken}; empty where none yields"
     for name in BESIDE
 }
-TEXT_COLUMNS, PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, PARTICLE_COLUMNS = (
-    tuple(MEANINGS[table]) for table in ("words", "profile", "imprint", "around", "particles")
+PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, PARTICLE_COLUMNS = (
+    tuple(MEANINGS[table]) for table in ("profile", "imprint", "around", "particles")
 )
 # the same loads: by the name of a test, and by the share of the set pressure
 MEANINGS["set_pressure"] |= {
@@ -63,56 +63,59 @@ _NUMBER = ".10g"
 _LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
 
 
-def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
-    """Rows of leak.csv, one per load of the case: numbers in SI, NaN where nothing was calculated; `TEXT_COLUMNS`.
+def leak_rows(result: SealSolution, *, every: bool = False) -> list[dict[str, Any]]:
+    """Rows of leak.csv, one per load of the case: numbers in SI, NaN where nothing was calculated, and texts.
 
-    Reasons are a list, and a load without a requirement has the verdict None. Of given contacts `PROFILE_LEAK_COLUMNS`.
+    Reasons are a list, and a load that is not judged has the verdict None.
 
     Parameters
     ----------
     result : SealSolution
+    every : bool
+        With all columns, also those that do not belong to the case; see `columns_of`.
     """
-    columns = known_columns(result.loads)
-    rows = (_cells(columns, load) | _texts(load.verdict, load.validity) for load in result.loads)
+    columns = columns_of(result.case, of_profile=result.of_profile, every=every)
+    rows = (_row(columns, load, load.verdict, load.validity) for load in result.loads)
     return in_order(rows, result.not_calculated, lambda load: _missing_row(result.case, load, columns))
 
 
-def _texts(verdict: Verdict | None, validity: Validity) -> dict[str, Any]:
-    return {"verdict": None if verdict is None else str(verdict)} | validity_entries(validity)
-
-
-def _missing_row(case: Case, load: MissingLoad, columns: Sequence[str]) -> dict[str, Any]:
+def _missing_row(case: Case, load: MissingLoad, columns: Sequence[Column]) -> dict[str, Any]:
     # the check of a case loads no finite elements
     from fem_seal.answers.verdict import missing_verdict
 
     judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
     verdict = missing_verdict(case, load.point, load.problem).verdict if judged else None
     why = why_missing(load.problem)
-    said = dict(zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True))
-    return _cells(columns, load) | _texts(verdict, VALID) | said
+    return _row(columns, load, verdict, VALID) | dict(
+        zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True)
+    )
 
 
-def _cells(names: Sequence[str], load: AnyLoad) -> dict[str, Any]:
-    return {name: COLUMNS[name].number(load) for name in names}
+def _row(
+    columns: Sequence[Column], load: AnyLoad, verdict: Verdict | None, validity: Validity
+) -> dict[str, Any]:
+    texts = {"verdict": None if verdict is None else str(verdict), **validity_entries(validity)}
+    return {one.name: texts[one.name] if one.text else one.number(load) for one in columns}
 
 
-def leak_table(result: SealSolution) -> pd.DataFrame:
-    """One row per load of the case with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
+def leak_table(result: SealSolution, *, every: bool = False) -> pd.DataFrame:
+    """One row per load of the case with the columns that belong to it, SI.
 
     reference/columns in the manual explains them. NaN where nothing was calculated. ``verdict`` is
-    "pass", "pass unless", "inconclusive", "fail unless", "fail" or, without a requirement, empty. ``validity`` is
-    "valid", "doubtful", "outside the theory" or, of a load without numbers, "not calculated"; ``validity_reasons``
+    "pass", "pass unless", "inconclusive", "fail unless", "fail" or, of a load that is not judged, empty. ``validity``
+    is "valid", "doubtful", "outside the theory" or, of a load without numbers, "not calculated"; ``validity_reasons``
     gives the reasons, the worst first, with "; " between them (guide/validity in the manual).
 
     Parameters
     ----------
     result : SealSolution
+    every : bool
+        With all columns, also those that do not belong to the case.
     """
     import pandas as pd
 
-    rows = [with_text(row) for row in leak_rows(result)]
-    table = pd.DataFrame(rows)
-    return table.astype(dict.fromkeys(table.columns.drop([*TEXT_COLUMNS]), float))
+    table = pd.DataFrame([with_text(row) for row in leak_rows(result, every=every)])
+    return table.astype({name: float for name in table if name not in TEXT_COLUMNS})
 
 
 def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -141,9 +144,9 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
     return np.concatenate(blocks)
 
 
-def write_leak_csv(result: SealSolution, path: Path) -> Path:
+def write_leak_csv(result: SealSolution, path: Path, *, every: bool = False) -> Path:
     """Write leak.csv, atomically."""
-    return write_rows(path, leak_rows(result))
+    return write_rows(path, leak_rows(result, every=every))
 
 
 def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> Path:
@@ -153,12 +156,18 @@ def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> Path:
 
 
 def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> Path:
-    """Write numbers and texts under their headings, atomically; OutputError if that is impossible."""
+    """Write numbers and texts under their headings, NaN as nothing, atomically; OutputError if that is impossible."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([f"{one:{_NUMBER}}" if isinstance(one, float) else one for one in row] for row in rows)
+    writer.writerows(map(_cell, row) for row in rows)
     return write_bytes(path, text.getvalue().encode())
+
+
+def _cell(value: float | str) -> float | str:
+    if not isinstance(value, float):
+        return value
+    return "" if math.isnan(value) else f"{value:{_NUMBER}}"
 
 
 def contact_rows(result: SealSolution) -> CsvTable:

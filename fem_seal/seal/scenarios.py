@@ -42,9 +42,7 @@ class ScenarioWords:
     has_interval : bool
         Whether its own interval is asked for, with the scenarios of which that is made.
     columns : tuple of str
-        Kinds of its columns, see of_each in templates/columns.toml.
-    before : str
-        Column of leak.csv before which they stand; empty at the end.
+        Kinds of its columns.
     asperities : str
         A noun, such as "elastic asperities"; only where its leak rate is worked out with every load.
     curve : str
@@ -55,8 +53,6 @@ class ScenarioWords:
         A clause that begins with "if"; only of scenarios whose numbers stand beside wherever one is told.
     taken : str
         What a number is calculated with.
-    column : str
-        Behind "leak rate" in the description of its column.
     title : str
         Behind "leak rate, " on an axis.
     in_headline : bool
@@ -67,13 +63,11 @@ class ScenarioWords:
     own_contact: bool = False
     has_interval: bool = False
     columns: tuple[str, ...] = ()
-    before: str = ""
     asperities: str = ""
     curve: str = ""
     short: str = ""
     condition: str = ""
     taken: str = ""
-    column: str = ""
     title: str = ""
     in_headline: bool = False
 

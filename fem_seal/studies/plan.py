@@ -18,7 +18,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, in_full
 from fem_seal.sampling import LogNormal, Normal
-from fem_seal.seal.scenarios import BESIDE, IN_INTERVAL, force_column, leak_rate_column
+from fem_seal.seal.scenarios import BESIDE, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
 from fem_seal.studies.tables import (
@@ -170,20 +170,15 @@ def read_goals(study: StudyPlan, tables: StudyTables) -> dict[str, Expression]:
 _LEAK_RATE, _COMPANIONS = "leak_rate_m3_per_s", tuple(map(leak_rate_column, BESIDE))
 # The verdict is a word, which stands in the table of the designs wherever its number does.
 _VERDICT, _MARGIN = "verdict", "margin"
-# Columns that stay empty where none does, and those that uncertain inputs fill all the same.
-_OF_YIELDING = (*map(leak_rate_column, IN_INTERVAL), *map(force_column, BESIDE))
-_ENDS = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 _MEDIAN = "leak_rate_p50_m3_per_s"
 # Columns that are above zero and at most one.
 _SHARES = ("pass_probability", "batch_share_p05")
 
 
-def _missing_scenario(study: StudyPlan) -> str:
-    """What no design has of what two readings of yielding asperities need; empty if some design has them."""
-    leak = study.case.leak
-    if not leak.plasticity and "leak.plasticity" not in study.names:
-        return "leak.plasticity = true"
-    return "" if leak.theory == "paper" or "leak.theory" in study.names else 'leak.theory = "paper"'
+def _missing(study: StudyPlan, column: str) -> list[str]:
+    """Sources that no design has of what fills a column."""
+    lacking = COLUMNS[column].lacking(study.case, study.names)
+    return [condition.source for condition in lacking if not condition.repeats]
 
 
 def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -195,8 +190,8 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[st
     for formula in (*study.derived.values(), *study.constraints.values(), *study.goals.values()):
         requests.update(formula.names)
     companions = {_MARGIN} if _VERDICT in requests else set()
-    if _LEAK_RATE in requests and not _missing_scenario(study):
-        companions.update(_COMPANIONS)
+    if _LEAK_RATE in requests:
+        companions.update(name for name in _COMPANIONS if not _missing(study, name))
     columns = tuple(name for name in LEAK_COLUMNS if name in requests | companions)
     return columns, tuple(name for name in columns if name not in requests)
 
@@ -252,18 +247,10 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
 
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:
-    """Columns that stay empty in this case."""
-    column = COLUMNS.get(_MARGIN if name == _VERDICT else name)
-    for table in () if column is None else column.needs:
-        if getattr(study.case, table) is None:
-            raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
-    setting = _missing_scenario(study)
-    if name == _MEDIAN and study.case.sampled is None:
-        raise InputError.at(key, f"{name} needs a table [uncertainty] in the base case")
-    has_interval = name in _ENDS and (study.case.sampled is not None or study.case.leak.theory == "corrected")
-    if name in (*_OF_YIELDING, *_ENDS) and setting and not has_interval:
-        option = ', leak.theory = "corrected" or a table [uncertainty]' if name in _ENDS else ""
-        raise InputError.at(key, f"{name} needs {setting}{option} in the base case")
+    """InputError if a column stays empty in every design."""
+    missing = _missing(study, name) if name in COLUMNS else ()
+    if missing:
+        raise InputError.at(key, f"{name} needs {missing[0]} in the base case")
 
 
 def _check_name(key: str, name: str, names: Sequence[str]) -> None:

@@ -125,8 +125,7 @@ def _move_former_results(study: StudyPlan, path: Path, progress: Progress) -> No
     with closing(open_to_read(path)) as store:
         about = store.about
     former = set(about.get("beside", ())) - set(study.companions)
-    responses = [name for name in about.get("responses", ()) if name not in former]
-    if not former or responses != list(study.responses):
+    if not former or set(about.get("responses", ())) - former != set(study.responses):
         return
     new_path = path.with_name(f"{path.stem}_paper{path.suffix}")
     if new_path.exists():

@@ -283,7 +283,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
         _check_pages(connection, path)
         _lay_out(connection, inputs, outputs)
         names = list(_columns(connection))
-        if names != [*inputs, *outputs]:
+        if not _are_columns(names, list(inputs), outputs):
             raise InputError(problem("study_other_columns", path=path, columns=", ".join(names)))
         if any(connection.execute("SELECT 1 FROM about UNION ALL SELECT 1 FROM point LIMIT 1")):
             _check_contents(connection, path)
@@ -543,12 +543,18 @@ def check_about(about: Mapping[str, Any], columns: Sequence[str]) -> None:
     except ValueError as error:
         raise StoredError(f"a formula of the study cannot be read: {error}") from None
     names = [parameter.name for parameter in study.parameters]
-    if names != study.inputs or [*names, *study.responses, *study.derived] != list(columns):
+    if names != study.inputs or not _are_columns(columns, names, [*study.responses, *study.derived]):
         raise StoredError("its columns are not those of the study")
     unknown = [name for name in study.responses if name not in COLUMNS]
     unknown += [name for formula in formulas for name in formula.names if name not in columns]
     if unknown:
         raise StoredError(f"there is no column {unknown[0]}")
+
+
+def _are_columns(columns: Sequence[str], inputs: Sequence[str], outputs: Sequence[str]) -> bool:
+    """Whether these are the columns of a file; versions of the program have their outputs in other orders."""
+    first, rest = columns[: len(inputs)], columns[len(inputs) :]
+    return list(first) == list(inputs) and sorted(rest) == sorted(outputs)
 
 
 def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs: int) -> None:

@@ -313,7 +313,7 @@ def _fingerprint(
         "version": __version__,
         # places of files do not matter, their contents do
         "case": with_files(tables, _contents),
-        "columns": list(columns),
+        "columns": sorted(columns),
         "derived": {name: formula.text for name, formula in derived.items()},
         "interpolate": interpolate,
         # rows of before that have no validity

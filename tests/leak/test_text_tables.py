@@ -148,3 +148,8 @@ def test_what_is_no_table_is_told_with_its_line(text: str, said: str) -> None:
 def test_what_is_no_text_is_refused(content: bytes) -> None:
     with pytest.raises(TableError):
         decode(content)
+
+
+def test_a_column_with_a_name_and_nothing_in_it_is_left_out():
+    (table,) = read_tables("x_m,p_Pa,force_N\n0.1,200,\n0.2,210,\n")
+    assert table.header == ("x_m", "p_Pa") and table.values.shape == (2, 2)

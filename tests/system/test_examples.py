@@ -58,6 +58,7 @@ def test_case_is_valid_and_says_what_it_is(path):
 def test_case_runs_and_is_resolved(path, capsys):
     result = run(load_case(path))
     _is_told_in_brief(result, capsys)
+    _has_the_columns_that_belong_to_it(result)
     assert len(result.loads) == len(result.case.load.points)
     for load in result.loads:
         assert abs(load.contact.force_error) < 1e-9
@@ -70,6 +71,26 @@ def test_case_runs_and_is_resolved(path, capsys):
     assert result.discretisation_error.peak_pressure < (1e-2 if result.unloaded else 5e-4)
     # the manual shows what is solved here
     assert (gallery.keep(result, path) / "report.html").exists()
+
+
+# Columns that are filled whatever the case: the other theory, and what repeats the leak rate and its gap.
+REPEATED = {
+    "leak_rate_paper_m3_per_s",
+    "leak_rate_corrected_m3_per_s",
+    "leak_rate_elastic_m3_per_s",
+    "critical_separation_elastic_m",
+}
+# A sealed load has no interval.
+EMPTY = {"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"}
+
+
+def _has_the_columns_that_belong_to_it(result):
+    """What was calculated, which is not asked when the columns are chosen, fills them and no others."""
+    every = result.all_columns
+    filled = {name for name in every if every[name].notna().any()}
+    assert filled - {*result.table} <= REPEATED
+    empty = {*result.table} - filled
+    assert not empty or (empty <= EMPTY and all(load.leak.leak_rate == 0 for load in result.loads))
 
 
 def _is_told_in_brief(result, capsys):

@@ -9,7 +9,7 @@ from typing import Any
 from fem_seal.answers.leakage_class import is_flange, seal_length, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.target import target_text
-from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_column
+from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section
 from fem_seal.seal.load_result import load_name
@@ -78,9 +78,7 @@ def bolt_table(result: SealSolution) -> ReadableTable:
     """Bolts at each load; no rows without them."""
     if result.bolts is None:
         return ReadableTable((), ())
-    return columns_table(
-        [filled_column(name, result.loads, volume_of(result.case)) for name in SHOWN_COLUMNS["bolts"]]
-    )
+    return columns_table(filled_columns(result.case, SHOWN_COLUMNS["bolts"], result.loads))
 
 
 def _numbers(result: SealSolution) -> dict[str, Any] | None:

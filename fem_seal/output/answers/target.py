@@ -11,7 +11,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
-from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_column
+from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
 from fem_seal.output.prose import in_scenario, phrase
 from fem_seal.output.shown import Shown
 from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
@@ -165,14 +165,17 @@ def _target_force(load: CaseLoad, force: float) -> str:
 def valve_table(result: SealSolution) -> ReadableTable:
     """Opening and target force at each load; no rows if not calculated."""
     given, asked = (
-        {name: filled_column(name, result.loads) for name in SHOWN_COLUMNS[key]} for key in ("given", "asked")
+        filled_columns(result.case, SHOWN_COLUMNS[key], result.loads) for key in ("given", "asked")
     )
     # the pressure that lifts the closure off, also where leak.csv has the one that lifts the surfaces apart
     opens = [_finite(load.blow_off_pressure) for load in result.loads]
-    asked["blow_off_pressure_Pa"] = replace(asked["blow_off_pressure_Pa"], values=opens)
-    if not any(one.some for one in asked.values()):
+    asked = [
+        replace(column, values=opens) if column.column.name == "blow_off_pressure_Pa" else column
+        for column in asked
+    ]
+    if not any(column.some for column in asked):
         return ReadableTable((), ())
-    return columns_table([*given.values(), *asked.values()])
+    return columns_table([*given, *asked])
 
 
 def _finite(value: float | None) -> float | None:

@@ -26,7 +26,7 @@ from fem_seal.output.columns import (
     ReadableTable,
     ReportColumn,
     columns_table,
-    filled_column,
+    filled_columns,
 )
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
@@ -287,7 +287,7 @@ def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     if len({load.applied_force for load in loads}) == 1:
         without.add("applied_force_N")
     names = [name for name in SHOWN_COLUMNS["brief"] if name not in without]
-    filled = (filled_column(name, loads, volume_of(case)) for name in names)
+    filled = filled_columns(case, names, loads)
     told = (
         one
         for one in (_clear_unclaimed(_finite(one), case, loads) for one in filled)

@@ -23,7 +23,7 @@ from fem_seal.files import write_text
 from fem_seal.output import case_words, shown_answers
 from fem_seal.output.answers import verdict
 from fem_seal.output.case_words import law_word
-from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_column, own_columns
+from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
 from fem_seal.output.pictures.contact import (
     contact_picture,
     imprint_picture,
@@ -250,12 +250,7 @@ def load_table(result: SealSolution) -> ReadableTable:
     loads, names = result.every_load, list(SHOWN_COLUMNS["loads"])
     if any(load.applied_force for load in loads):
         names.insert(1, "applied_force_N")
-    if result.surface is None or result.surface.hardness is None:
-        names = [name for name in names if "_elastic_" not in name]
-    twice = own_columns(result.loads)
-    names = [name for name in names if name not in twice]
-    volume = volume_of(result.case)
-    columns = [one for one in (filled_column(name, loads, volume) for name in names) if one.some]
+    columns = [column for column in filled_columns(result.case, names, loads) if column.some]
     for name in _SPARED:
         if len(columns) > _WIDEST:
             columns = [one for one in columns if one.column.name != name]

@@ -13,7 +13,7 @@ from fem_seal.answers.profile_files import read_profiles
 from fem_seal.cli.terminal import show_leakage
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
-from fem_seal.output.columns import CHECK_ON_TERMINAL, COLUMNS, LEAK_ON_TERMINAL, PROFILE_LEAK_COLUMNS
+from fem_seal.output.columns import CHECK_ON_TERMINAL, COLUMNS, LEAK_ON_TERMINAL, columns_of
 from fem_seal.output.report.page import load_table
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows, write_profile_csv
@@ -42,7 +42,7 @@ SI = {
 
 @pytest.mark.parametrize("column", COLUMNS.values(), ids=COLUMNS)
 def test_what_a_column_is_fits_the_unit_in_its_name(column):
-    assert SI[column.kind] == column.unit == split_unit(column.name)[1]
+    assert column.text or SI[column.kind] == column.unit == split_unit(column.name)[1]
     assert column.meaning
     if column.unit_like:
         assert COLUMNS[column.unit_like].kind == column.kind
@@ -133,9 +133,12 @@ def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
     file, contact = write_profile_csv(result, tmp_path / "profile.csv"), result.problem.contact
     found = solve_profiles(result.case, read_profiles(file, contact))
     for row, full, load in zip(leak_rows(found), leak_rows(result), result.loads, strict=True):
-        assert tuple(row) == (*PROFILE_LEAK_COLUMNS, "verdict", "validity", "validity_reasons")
+        assert {
+            "contact_force_N",
+            "max_von_mises_Pa",
+        } <= full.keys() - row.keys() and row.keys() < full.keys()
         # another range of the table of conductivities
-        for name in PROFILE_LEAK_COLUMNS:
+        for name in row.keys() - {"validity", "validity_reasons"}:
             if name == "leak_rate_corrected_m3_per_s":
                 # through the very contact of the profile, which is one by the paper's theory
                 corrected = replace(load, rough=load.scenario("corrected").rough)
@@ -154,8 +157,84 @@ def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
 )
 def test_a_study_refuses_columns_that_its_case_leaves_empty(name, missing):
     smooth = case(roughness=None, interface={"law": "smooth"}, load={"fluid_pressure": "5 bar"})
-    with pytest.raises(InputError, match=rf"{name} needs a table \[{missing}\]"):
+    with pytest.raises(InputError, match=rf"{name} needs \[{missing}\]"):
         Study(smooth, parameters={"load.fluid_pressure": ["5 bar", "6 bar"]}, responses=(name,))
+
+
+GAS = {
+    "leak_rate_Pa_m3_per_s",
+    "leak_rate_standard_m3_per_s",
+    "leak_rate_per_length_Pa_m2_per_s",
+    "knudsen_number",
+}
+TARGET = {"force_for_target_leak_N", "contact_force_for_target_N", "line_load_for_target_N_per_m"}
+JUDGED = {"verdict", "margin", "pass_probability", "pass_probability_error"}
+READINGS = {"leak_rate_conserved_m3_per_s", "leak_rate_capped_m3_per_s", "leak_rate_corrected_m3_per_s"}
+OPENS = {"blow_off_pressure_Pa", "opening_margin_N", "opening_margin_Pa", "opening_margin"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "brought", "gone"),
+    [
+        ({"load.fluid_pressure": ["1 bar", "350 bar"]}, set(), set()),
+        ({"load.applied_force": "500 N"}, set(), set()),
+        ({"fluid": {"name": "helium"}}, GAS, {"effective_viscosity_Pa_s"}),
+        ({"load.target_leak_rate": "1 ml/min"}, TARGET | {"force_for_verdict_N"}, set()),
+        ({"requirement": {"leak_rate": "1 ml/min"}}, JUDGED, set()),
+        ({"leak.theory": "paper"}, READINGS, set()),
+        ({"load.pressure_side": "inner", "load.applied_force": "5 kN"}, OPENS, set()),
+        ({"load.closing": "penetration"}, OPENS | {"effective_seal_radius_m"}, set()),
+        (
+            {"leak.plasticity": False},
+            set(),
+            {"leak_rate_elastic_m3_per_s", "critical_separation_elastic_m"},
+        ),
+        (
+            {"form": {"seat": {"harmonics": [{"waves": 2, "amplitude": "1 um"}]}}},
+            {"peak_pressure_max_Pa", "line_load_min_over_mean", "leak_rate_round_m3_per_s"},
+            set(),
+        ),
+    ],
+)
+def test_the_tables_of_a_case_bring_its_columns(changes, brought, gone):
+    base = case(leak={"theory": "corrected"})
+    before, after = ({one.name for one in columns_of(each)} for each in (base, base.replace(changes)))
+    assert (after - before, before - after) == (brought, gone)
+
+
+def test_all_columns_are_those_of_the_file_in_one_order():
+    result = rough_result()
+    names = [*COLUMNS]
+    assert names[:5] == [
+        "fluid_pressure_Pa",
+        "applied_force_N",
+        "contact_force_N",
+        "leak_rate_m3_per_s",
+        "leak_rate_low_m3_per_s",
+    ]
+    assert [*result.all_columns] == names
+    assert [*result.table] == [name for name in names if name in result.table]
+    assert result.all_columns[[*result.table]].equals(result.table)
+
+
+def test_a_column_that_is_not_there_says_what_brings_it():
+    result = rough_result()
+    with pytest.raises(KeyError, match=r"bolt_force_N .* comes with \[bolts\]; result\.all_columns"):
+        result["bolt_force"]
+    with pytest.raises(KeyError, match=r"leak_rate_paper_m3_per_s .* comes with --all-columns"):
+        result["leak_rate_paper"]
+    with pytest.raises(KeyError, match="do you mean leak_rate"):
+        result["leak_ratte"]
+
+
+def test_a_study_may_vary_what_brings_a_column():
+    base = case(leak={"theory": "corrected"}, load={"fluid_pressure": "5 bar"})
+    asked = {"responses": ("force_for_target_leak_N", "leak_rate_capped_m3_per_s")}
+    targets, theories = ["1 ml/min", "2 ml/min"], ["corrected", "paper"]
+    with pytest.raises(InputError, match=r"needs load\.target_leak_rate in the base case"):
+        Study(base, parameters={"load.fluid_pressure": ["5 bar", "6 bar"]}, **asked)
+    varied = {"load.target_leak_rate": targets, "leak.theory": theories}
+    assert set(Study(base, parameters=varied, **asked).responses) == set(asked["responses"])
 
 
 def test_a_derived_column_needs_what_it_is_made_of_whatever_its_name():

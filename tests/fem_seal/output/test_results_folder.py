@@ -99,7 +99,7 @@ def _killed():
     result, drawn, said = pickle.load(sys.stdin.buffer)
     # drawing takes seconds; what is killed here are the files
     files.write_report = lambda result, path: write_text(path, drawn)
-    files.write_summary = lambda result, path, folder: write_text(path, said)
+    files.write_summary = lambda result, path, folder, every: write_text(path, said)
     # what writing loads, and what of the result is calculated only then, is there for all copies
     with TemporaryDirectory() as once:
         result.write(Path(once))
@@ -120,7 +120,7 @@ def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, dying, tmp_pat
     before, after = map(contents, two_runs)
     drawn, said = after["report.html"].decode(), after["summary.json"].decode()
     monkeypatch.setattr(files, "write_report", lambda result, path: write_text(path, drawn))
-    monkeypatch.setattr(files, "write_summary", lambda result, path, folder: write_text(path, said))
+    monkeypatch.setattr(files, "write_summary", lambda result, path, folder, every: write_text(path, said))
     seen = {"before": 0, "after": 0, "marked": 0}
     moment = 0
     while True:

@@ -196,7 +196,7 @@ def test_what_an_elastic_run_leaves_is_no_imprint(folder: Path, tmp_path: Path) 
     result.write(tmp_path)
     assert not (tmp_path / "unloaded.vtu").exists()
     assert not (tmp_path / "imprint.csv").exists()
-    assert result.table[["max_accumulated_plastic_strain", "load_steps"]].isna().all(axis=None)
+    assert result.all_columns[["max_accumulated_plastic_strain", "load_steps"]].isna().all(axis=None)
     assert summary(result)["imprint"] is None
     assert "imprint" not in (tmp_path / "report.html").read_text()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import shutil
 from dataclasses import replace
@@ -71,7 +70,7 @@ def run_by(theory, name, **changes):
 def test_the_other_theory_has_a_contact_of_its_own(name, changes, theory):
     """What stands beside a run is what a run by that theory gives, whose mesh is another one."""
     case, other = example(name, **changes), OTHER[theory]
-    (row, *_), (whole, *_) = (leak_rows(run_by(one, name, **changes)) for one in (theory, other))
+    (row, *_), (whole, *_) = (leak_rows(run_by(one, name, **changes), every=True) for one in (theory, other))
     assert row[f"leak_rate_{theory}_m3_per_s"] == row["leak_rate_m3_per_s"]
     assert row[f"leak_rate_{other}_m3_per_s"] == pytest.approx(whole["leak_rate_m3_per_s"], rel=2e-3)
     study = evaluate_design(
@@ -272,16 +271,13 @@ def test_nothing_speaks_of_two_readings(tmp_path):
         **CORRECTED,
     )
     result = fem_seal.run(case)
-    rows = leak_rows(result)
-    for load, row in zip(result.loads, rows, strict=True):
+    for load in result.loads:
         assert not load.others and load.leak_range is None and load.scenario(Reading.CAPPED) is None
         assert not load.others and load.force_for_target is not None
-        assert math.isnan(row["leak_rate_capped_m3_per_s"]) and math.isnan(
-            row["leak_rate_conserved_m3_per_s"]
-        )
         # asperities still remember the larger load
         assert load.leak.leak_rate < 0.9 * load.scenarios["first loading"].leak.leak_rate
     assert not result.uncertainty.others
+    assert not {"leak_rate_capped_m3_per_s", "leak_rate_conserved_m3_per_s"} & {*result.table}
     result.write(tmp_path)
     report = re.sub(r"<!--(.*?)-->", r" \1 ", (tmp_path / "report.html").read_text("utf-8"))
     assert "first loading" in report and "gap law" in report

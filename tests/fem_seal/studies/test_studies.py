@@ -335,7 +335,13 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"derived": {"a": "open('x')"}}, ["derived.a", "unknown function"]),
         ({"constraints": {"a": "fwhm_m"}}, ["constraints.a", "no constraint"]),
         ({"constraints": {"a": 'fwhm_m < "1 MPa"'}}, ["constraints.a", "in m with", "in Pa"]),
-        ({"constraints": {"a": '"1 N" > load_steps'}}, ["constraints.a", "in N with a plain number"]),
+        (
+            {
+                "changes": {**COARSE, "requirement": {"leak_rate": "1 ml/min"}},
+                "constraints": {"a": '"1 N" > margin'},
+            },
+            ["constraints.a", "in N with a plain number"],
+        ),
         ({"constraints": {"a": 'load.applied_force < "1 MPa"'}}, ["constraints.a", "in N with", "in Pa"]),
         ({"constraints": {"a": 'leak_rate_kg_per_s < "1 ml/min"'}}, ["constraints.a", "kg/s", "m^3/s"]),
         ({"constraints": {"a": "peak_pressure_Pa < fwhm_m"}}, ["constraints.a", "in Pa with", "in m"]),
@@ -457,7 +463,7 @@ def test_a_design_has_one_load(tmp_path):
 def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
     case = fem_seal.load_case(CASE).replace(changes)
     fast = evaluate_design(case, tuple(LEAK_COLUMNS)).values
-    complete = leak_rows(run_loads(case))[0]
+    complete = leak_rows(run_loads(case), every=True)[0]
     for name, value in fast.items():
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
         tolerance = 1e-2 if name == "max_von_mises_Pa" else 3e-4
