@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from leak import FlowError
 
 # Fewest runs; left-out runs must be predicted to this share of the scatter, an error that adds 0.05 % to the width.
-_FIRST_RUNS, _ERROR_OF_STD, _SMALLEST_ERROR = 16, 0.01, 2e-4
+_FIRST_RUNS, _ERROR_OF_STD, _SMALLEST_ERROR = 16, 0.03, 2e-4
 # The same of a finish, a factor of ten or more; it has no more runs than this, and at a sealed load so many samples.
 _ERROR_OF_WIDE, _MOST_OF_FINISH, _SEALED_OF_FINISH = 0.4, 96, 64
 # Bodies that yield are linearised at the loads of the case, unless these checks, which go through all loads, differ by
@@ -327,7 +327,7 @@ class _Sampling:
                     return runs, np.exp(bent_towards_sealing(surface, scores[runs], logs, scores)), surface
             if goal == most:
                 return runs, rates[runs], None
-            goal = min(2 * goal, most)
+            goal = min(goal + goal // 2, most)
 
     def _shares(self, numbers: IntArray, rates: FloatArray, surface: ResponseSurface | None) -> FloatArray:
         """First-order shares in the variance of ln Q of the case's own reading, shape (sampled loads, inputs)."""
