@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, QuantityError, SealError, TextTableError
-from fem_seal.units import parse_quantity
+from fem_seal.units import current_display, parse_quantity
+from fem_seal.wording import fill
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -101,8 +102,7 @@ def own_tables(name: str) -> dict[str, Any]:
 
 def sentence(name: str, /, **values: object) -> str:
     """The text of a problem, by its name in templates/problems.toml; see `fem_seal.case.words.problem`."""
-    text: str = own_tables("problems.toml")[name]["text"]
-    return text.format(**values)
+    return fill(current_display(), own_tables("problems.toml")[name]["text"], **values)
 
 
 def _table_error(name: str, /, **values: object) -> TextTableError:

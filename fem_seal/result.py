@@ -98,14 +98,14 @@ class SealResult(SealSolution):
     def __repr__(self) -> str:
         from fem_seal.output.notebook import result_text
 
-        with shown_in(*self.case.display_units):
+        with shown_in(self.case.display):
             return f"<{type(self).__name__} of {result_text(self)}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of the loads, leak rates and pressure profiles."""
         from fem_seal.output.notebook import result_html
 
-        with shown_in(*self.case.display_units):
+        with shown_in(self.case.display):
             return result_html(self)
 
     def __dir__(self) -> list[str]:
@@ -160,7 +160,7 @@ class SealResult(SealSolution):
         from fem_seal.output.files import write
         from fem_seal.output.folders import folder_lock
 
-        with folder_lock(Path(folder)), returned_memory(), shown_in(*self.case.display_units):
+        with folder_lock(Path(folder)), returned_memory(), shown_in(self.case.display):
             for failure in write(self, Path(folder), every=all_columns):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -180,7 +180,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.report.page import write_report
 
-        with returned_memory(), shown_in(*self.case.display_units):
+        with returned_memory(), shown_in(self.case.display):
             return write_report(self, Path(path))
 
     @overload
@@ -235,7 +235,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.plots import plot, result_figure
 
-        with shown_in(*self.case.display_units):
+        with shown_in(self.case.display):
             if ax is None and (what is None or not isinstance(what, str)):
                 return result_figure(self, what or figure)
             return plot(self, what if isinstance(what, str) else None, ax)
@@ -269,7 +269,7 @@ class SealResult(SealSolution):
 
         from fem_seal.output.pictures.three_d import view, write_for_view
 
-        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(*self.case.display_units):
+        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(self.case.display):
             write_for_view(self, Path(folder))
             view(Path(folder), None if png is None else Path(png), load)
 
@@ -330,7 +330,7 @@ def run(
     192 MPa
     """
     case = case_of(case)
-    with returned_memory(), shown_in(*case.display_units):
+    with returned_memory(), shown_in(case.display):
         solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 

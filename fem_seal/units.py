@@ -8,9 +8,8 @@ from __future__ import annotations
 import difflib
 import math
 import re
-import string
 import tomllib
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -405,9 +404,9 @@ class Display:
         value : float or tuple of float
             SI; None is a dash.
         how : str
-            "number", "percent", "strain", "trimmed" or "worth", or a kind of `unit_for`, before which "given" or
-            "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no letter,
-            and may have a name of `fixed_unit` behind it.
+            "number", "percent", "share", "strain", "trimmed" or "worth", or a kind of `unit_for`, before which
+            "given" or "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with
+            no letter, and may have a name of `fixed_unit` behind it.
 
         Examples
         --------
@@ -547,19 +546,18 @@ _shown: ContextVar[Display] = ContextVar("_shown", default=_FIELD)
 
 
 @contextmanager
-def shown_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> Iterator[None]:
-    """Texts that are made meanwhile are shown so; see `Display`. Without a system it stays as it is."""
-    before = _shown.get()
-    show_in(system, throughputs, of_flow)
+def shown_in(display: Display) -> Iterator[None]:
+    """Texts that are made meanwhile are shown so."""
+    before = _shown.set(display)
     try:
         yield
     finally:
-        _shown.set(before)
+        _shown.reset(before)
 
 
-def show_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> None:
-    """The same for all that follows, up to the end of the `shown_in` around it."""
-    _shown.set(Display(system or _shown.get().system, throughputs, of_flow))
+def show_in(display: Display) -> None:
+    """Texts that are made from now on are shown so, up to the end of the `shown_in` around it."""
+    _shown.set(display)
 
 
 def current_display() -> Display:
@@ -1017,6 +1015,7 @@ _PLAIN: dict[str, Callable[..., str]] = {
     "number": number,
     "percent": percent,
     "strain": strain_text,
+    "share": share_text,
     "trimmed": trim_zeros,
     "worth": format_digits,
 }
@@ -1046,27 +1045,3 @@ def keep_units_together(text: str) -> str:
     ('leak rate [mbar\xa0l/s]: 2\xa0mbar\xa0l/s', '2\xa0mm')
     """
     return _numbers_and_units().sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
-
-
-class _Sentence(string.Formatter):
-    """Fills values in, in the format of their braces: "{load.fluid_pressure:given fluid pressure}"."""
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        return format_value(value, format_spec) if format_spec else str(value)
-
-
-def fill_sentence(sentence: str, values: Mapping[str, object]) -> str:
-    """A sentence of words.toml with its values; `format_value` writes numbers in the format behind their colon.
-
-    Parameters
-    ----------
-    sentence : str
-    values : mapping
-        Values of the {names} in it.
-
-    Examples
-    --------
-    >>> fill_sentence("{share:percent} of {pressure:given fluid pressure}", {"share": 0.2, "pressure": 2e6})
-    '20 % of 20 bar'
-    """
-    return _Sentence().vformat(sentence, (), values)

@@ -53,7 +53,7 @@ def environment(display: Display, *, escaped: bool = False) -> Environment:
     made.filters |= {
         "quantity": display.quantity,
         "unbroken": keep_units_together,
-        "few": few,
+        "few": join_names,
         "name_of_load": lambda load: name_of_load(display, load),
     }
     made.globals |= {"math": math, "display": display}
@@ -141,7 +141,7 @@ def _template(display: Display, text: str) -> Template:
     return environment(display).from_string(text)
 
 
-def few(names: Sequence[str], most: int = 3) -> str:
+def join_names(names: Sequence[str], most: int = 3) -> str:
     """Names with commas between them, of many the first two and how many more there are.
 
     Parameters
@@ -152,7 +152,7 @@ def few(names: Sequence[str], most: int = 3) -> str:
 
     Examples
     --------
-    >>> few(["1 bar", "2 bar", "3 bar"]), few(["1 bar", "2 bar", "3 bar", "4 bar"])
+    >>> join_names(["1 bar", "2 bar", "3 bar"]), join_names(["1 bar", "2 bar", "3 bar", "4 bar"])
     ('1 bar, 2 bar, 3 bar', '1 bar, 2 bar and 2 more')
     """
     if len(names) <= most:

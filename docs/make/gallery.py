@@ -152,7 +152,7 @@ def keep(result: SealResult, example: Path) -> Path:
     folder = folder_of(example)
     shutil.rmtree(folder, ignore_errors=True)
     result.write(folder)
-    with shown_in(*result.case.shown):
+    with shown_in(result.case.display):
         first = headline(result)
     about = {"headline": first, "warnings": list(result.warnings), "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")

@@ -26,7 +26,7 @@ from fem_seal.seal.findings import (
 )
 from fem_seal.seal.load_result import LoadResult, MissingLoad, highest_load, in_order, strongest_load
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact, names
-from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth, share_text
+from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -672,12 +672,10 @@ def _add_doubts(validity: Validity, mesh_error: float | None, own_error: Bounds)
     # the interval holds what a simulation leaves open
     known = list(validity.without(DIRECT_SCATTER).cautions)
     if mesh_error is not None and mesh_error > 0.0:
-        told = f"the mesh leaves an error of {share_text(mesh_error)}"
-        known.append(Finding("mesh", Level.VALID, told, told, Bounds.factor_bounds(1.0 + mesh_error)))
+        factors = Bounds.factor_bounds(1.0 + mesh_error)
+        known.append(Finding("mesh_left", Level.VALID, {"share": mesh_error}, factors))
     if own_error != EXACT:
-        low, high = own_error
-        told = f"direct simulation of rough surfaces finds {low:.2f} to {high:.2f} times as much"
-        known.append(Finding("theory", Level.VALID, told, told, own_error))
+        known.append(Finding("own_error", Level.VALID, {"factors": own_error}, own_error))
     return Validity.of(known)
 
 

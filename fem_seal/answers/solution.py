@@ -24,7 +24,6 @@ from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.seal.findings import sentence
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.load_solver import LoadSolver
 
@@ -119,9 +118,7 @@ def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Se
         parts.append(_answered(part, own, of_part))
         texts = [one.text for one in FINDINGS.of(own.answers).cautions if one.text not in known]
         label = part.problem.contact.label_of("closure")
-        request.remarks.extend(
-            sentence("of_part", part=label, said=text) for text in (*texts, *own.steps.failures)
-        )
+        request.remarks.extend(f"{label}: {text}" for text in (*texts, *own.steps.failures))
     return _answered(seal.with_parts(parts), request, [answer for answer in answers if not answer.of_part])
 
 

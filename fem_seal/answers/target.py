@@ -13,7 +13,7 @@ from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_f
 from fem_seal.answers.two_flanges import mean_rate
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.loads import LARGEST_TURNING, contact_force
-from fem_seal.seal.findings import Finding, Level, Validity, sentence
+from fem_seal.seal.findings import Finding, Level, Validity, remark, sentence
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, under_loads
 from fem_seal.seal.scenarios import SCENARIOS, problem_in
 from fem_seal.units import format_quantity, quantity, short_quantity
@@ -317,7 +317,7 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
         when = f"{SCENARIOS[scenario].condition}: " if scenario else ""
         texts = [f"{when}{one}" for one in error.problems]
         return TargetForces(
-            none, none, none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts)
+            none, none, none, none, tuple(remark("target", Level.DOUBTFUL, text) for text in texts)
         )
     forces = TargetForces(
         [one.applied_force for one in found],
@@ -332,9 +332,7 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
     for problem, loads in zip(problems, zip(*(load.parts for load in found), strict=True), strict=True):
         known, label = {one.text for one in remarks}, problem.contact.label_of("closure")
         remarks += [
-            one
-            if problem is problems[0]
-            else replace(one, text=sentence("of_part", part=label, said=one.text))
+            one if problem is problems[0] else one.found_at(label)
             for one in target_cautions(problem, loads)
             if one.text not in known
         ]

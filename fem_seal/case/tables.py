@@ -378,8 +378,8 @@ class CaseTables(Table):
     _flange: str = PrivateAttr(default="flange")
 
     @property
-    def display_units(self) -> tuple[System | None, bool, Unit | None]:
-        """In which units its results are shown, and whether leak rates as pressure times volume: see `shown_in`.
+    def display(self) -> Display:
+        """In which units its results are shown, and whether leak rates as pressure times volume.
 
         So are those of a gas, unless what is required of it, or its target, is a volume. Leak rates have the unit in
         which the case writes the limit, unless it asks for a system of units.
@@ -390,13 +390,8 @@ class CaseTables(Table):
         throughputs = of_gas and (has_no_limit or isinstance(limit, Throughput))
         rate = limit if limit is not None else self.load.target_leak_rate
         unit = None if rate is None or self.report.units else self._unit_of(rate)
-        return self.report.units, throughputs, unit if throughputs == isinstance(rate, Throughput) else None
-
-    @property
-    def display(self) -> Display:
-        """In which units its results are shown, see `shown`."""
-        system, throughputs, of_flow = self.display_units
-        return Display(system or "field", throughputs, of_flow)
+        own_unit = unit if throughputs == isinstance(rate, Throughput) else None
+        return Display(self.report.units or "field", throughputs, own_unit)
 
     def _unit_of(self, limit: float) -> Unit | None:
         """The unit in which a limit is written; None where it has none, or is that of a gas in another state."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fem_seal.errors import LoadProblem, Problem
 from fem_seal.files import own_tables, sentence
-from fem_seal.units import fill_sentence
+from fem_seal.units import current_display
+from fem_seal.wording import fill
 
 
 def problem(name: str, /, **values: object) -> Problem:
@@ -17,9 +18,9 @@ def problem(name: str, /, **values: object) -> Problem:
     **values
         What the words have in braces.
     """
-    words = own_tables("problems.toml")[name]
+    words, display = own_tables("problems.toml")[name], current_display()
     return Problem(
-        *(fill_sentence(words[part], values) for part in ("key", "text", "value") if part in words)
+        *(fill(display, words[part], **values) for part in ("key", "text", "value") if part in words)
     )
 
 

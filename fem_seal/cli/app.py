@@ -23,7 +23,7 @@ from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
-from fem_seal.units import shown_in
+from fem_seal.units import current_display, shown_in
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -490,7 +490,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with shown_in(None):
+        with shown_in(current_display()):
             app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:

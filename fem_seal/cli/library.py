@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fem_seal.cli import terminal
 from fem_seal.cli.terminal import cell
 from fem_seal.files import own_tables
-from fem_seal.units import System, parse_quantity, show_in
+from fem_seal.units import Display, System, parse_quantity, show_in
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,7 +38,7 @@ def materials(
     from fem_seal.case.material_table import material
     from fem_seal.output import library
 
-    show_in(units)
+    show_in(Display(units))
     kelvin = parse_quantity(temperature, "temperature")
     rows = library.material_rows(kelvin) if name is None else [library.material_row(material(name), kelvin)]
     if json or csv:
@@ -62,7 +62,7 @@ def fluids(
     """List the fluids of the library: viscosity, density, range of temperature, source."""
     from fem_seal.output import library
 
-    show_in(units)
+    show_in(Display(units))
     kelvin = parse_quantity(temperature, "temperature")
     rows = library.fluid_rows(kelvin) if name is None else [library.fluid_row(name, kelvin)]
     if json or csv:

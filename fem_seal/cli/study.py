@@ -62,7 +62,7 @@ def run(
     from fem_seal.units import show_in
 
     study = load_study(study_file)
-    show_in(*study.case.display_units)
+    show_in(study.case.display)
     result = run_study(
         study,
         folder=output or study_file.with_suffix(".study"),

@@ -482,7 +482,7 @@ def _dimension(key: str, value: float) -> str:
 def case_of_command(path: Path) -> Case:
     """The case of a command, in whose units all that follows is shown."""
     case = fem_seal.load_case(path)
-    show_in(*case.display_units)
+    show_in(case.display)
     return case
 
 

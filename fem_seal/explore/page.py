@@ -128,7 +128,7 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
     # the first numbers are read before plotly.js is loaded; dash makes a layout of its own before, to check it
     first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
     begins: dict[str, Any] = {}
-    with shown_in(*session.base_design.display_units):
+    with shown_in(session.base_design.display):
         if first is not None and first.load:
             state = _state(first, answers)
             begins = {
@@ -284,7 +284,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             problem = " ".join(filter(None, sentences))
             return {**values, "problem": problem, "results": "results stale", "warnings": [], "shown": mark}
         designs = designs_shown(screen, pin_screens)
-        with shown_in(*session.base_design.display_units):
+        with shown_in(session.base_design.display):
             pictures = figures(designs, bool(dark))
             return {
                 **values,

@@ -115,7 +115,7 @@ class Session:
         design = self.design(design)
         try:
             case = self.case(design)
-            with shown_in(*case.display_units):
+            with shown_in(case.display):
                 if slow := self.slow(case):
                     return Screen(design, section=section_of(case), delay=slow_words(slow))
                 return (calculate or _calculate_here)(case, design)

@@ -212,7 +212,7 @@ def live_work() -> Work:
     from fem_seal.explore.live import live_screen
 
     def calculate(calculation: Calculation, _: Callable[[], bool]) -> Iterator[Screen]:
-        with shown_in(*calculation.case.display_units):
+        with shown_in(calculation.case.display):
             yield live_screen(calculation.case, calculation.design)
 
     return calculate
@@ -282,7 +282,7 @@ def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bo
     follow : bool
         Whether its sensitivities are still being calculated.
     """
-    with shown_in(*result.case.display_units):
+    with shown_in(result.case.display):
         return screen_of(
             result,
             design,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
@@ -17,7 +17,8 @@ from fem_seal.errors import LoadProblem
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import LoadResult, load_name
 from fem_seal.seal.problem import Loads
-from fem_seal.units import fill_sentence, round_digits, short_quantity
+from fem_seal.units import Display, current_display, round_digits, short_quantity
+from fem_seal.wording import fill, join_names
 
 # Ratio of leak rates up to which they are told as one number.
 AGREE = 1.005
@@ -115,28 +116,64 @@ class Finding:
 
     Parameters
     ----------
-    kind : str
-        What it is about, in two words at most: "yield stress", "cut off", "mesh".
+    entry : str
+        Of templates/findings.toml, which has its texts.
     level : Level
         What it makes of the numbers.
-    reason : str
-        A clause with the number behind it, about one load that need not be named.
-    text : str
-        The whole sentence: which load, where, what to do; empty of what is too little to be told, but is in the
-        interval.
+    values : mapping
+        Numbers and names of the texts.
     leak_factor : Bounds, optional
         What really leaks over the calculated leak rate, at least and at most, where that is known: 0 and infinity
         where it may be orders of magnitude.
     of_contact : bool
         Whether it is about the contact, and so about all numbers; else it is about the leak rate alone.
+    silent : bool
+        Whether it is too little to be reported, but is in the interval.
+    at : str
+        What it is about if not about a load as it is: "largest earlier load", "lower flange".
+    display : Display
+        In which its texts are.
     """
 
-    kind: str
+    entry: str
     level: Level
-    reason: str
-    text: str
+    values: Mapping[str, object]
     leak_factor: Bounds = EXACT
     of_contact: bool = True
+    silent: bool = False
+    at: str = ""
+    display: Display = field(default_factory=current_display, compare=False)
+
+    @property
+    def kind(self) -> str:
+        """What it is about, in few words: "yield stress", "cut off", "mesh"."""
+        return self._filled("label")
+
+    @property
+    def reason(self) -> str:
+        """A clause with the number behind it, about one load that need not be named."""
+        return self._prefix + self._filled("reason")
+
+    @property
+    def text(self) -> str:
+        """The whole sentence: which load, where, what to do; empty of what is silent."""
+        return "" if self.silent else self._prefix + self._filled("text")
+
+    @property
+    def _prefix(self) -> str:
+        return f"{self.at}: " if self.at else ""
+
+    def _filled(self, part: str) -> str:
+        return fill(self.display, own_tables("findings.toml")[self.entry][part], **self.values)
+
+    def found_at(self, place: str) -> Finding:
+        """The same about something else than a load as it is.
+
+        Parameters
+        ----------
+        place : str
+        """
+        return replace(self, at=f"{place}: {self.at}" if self.at else place)
 
     @property
     def leak_error(self) -> float:
@@ -166,7 +203,7 @@ class Validity:
 
     Examples
     --------
-    >>> soft = Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
+    >>> soft = remark("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress")
     >>> str(Validity.of([soft]).level), str(Validity().level)
     ('outside the theory', 'valid')
     """
@@ -181,7 +218,7 @@ class Validity:
         ----------
         cautions : iterable of Finding
         """
-        return cls(worst_first(one for one in cautions if one.text or one.leak_factor.apart))
+        return cls(worst_first(one for one in cautions if not one.silent or one.leak_factor.apart))
 
     @property
     def level(self) -> Level:
@@ -206,7 +243,7 @@ class Validity:
     @property
     def leak_error(self) -> float:
         """The largest relative error of the leak rate that is told; zero where none is."""
-        return max((one.leak_error for one in self.cautions if one.text), default=0.0)
+        return max((one.leak_error for one in self.cautions if not one.silent), default=0.0)
 
     @property
     def leak_factor(self) -> Bounds:
@@ -268,6 +305,22 @@ class Validity:
         return Validity(tuple(one for one in self.cautions if one.kind not in kinds))
 
 
+def remark(
+    kind: str, level: Level, says: str, leak_factor: Bounds = EXACT, *, of_contact: bool = True
+) -> Finding:
+    """A finding whose text was made elsewhere; see `Finding`.
+
+    Parameters
+    ----------
+    kind : str
+    level : Level
+    says : str
+    leak_factor : Bounds, optional
+    of_contact : bool
+    """
+    return Finding("remark", level, {"kind": kind, "says": says}, leak_factor, of_contact)
+
+
 VALID = Validity()
 NOT_CALCULATED = "not calculated"
 """What stands in place of the level of a load without numbers."""
@@ -279,9 +332,8 @@ NEARLY_SEALED, SEALED = "nearly sealed", "sealed"
 """Kinds of cautions about the percolation threshold, of which the leak rate itself has a bound and not a factor."""
 ORDERS_OF_MAGNITUDE = 1e3
 """What "orders of magnitude" are taken for where something is to be decided: three."""
-_NOT_JUDGED = "checks of what the theory allows failed"
 # A check that fails is no clean bill.
-NOT_JUDGED = Validity((Finding("checks", Level.DOUBTFUL, _NOT_JUDGED, _NOT_JUDGED),))
+NOT_JUDGED = Validity((remark("checks", Level.DOUBTFUL, "checks of what the theory allows failed"),))
 
 
 # How far the numbers of a row can be trusted, in words, and why no further.
@@ -310,14 +362,14 @@ def caution(
     is_reported: bool = True,
     **values: object,
 ) -> Finding:
-    """A caution with the texts of its entry.
+    """A caution about what its entry says.
 
     A factor of known size on the leak rate is in the interval and is no doubt.
 
     Parameters
     ----------
     name : str
-        Of the entry, which has kind, reason and text, and leak_only where it is about the leak rate alone.
+        Of the entry, which has label, reason and text, and leak_only where it is about the leak rate alone.
     load, loads
         The load that it is about, and all loads, among which its name is unique.
     outside : bool
@@ -333,15 +385,19 @@ def caution(
     """
     if load is not None:
         values["where"] = load_name(load, loads)
-    kind, reason, text = (sentence(name, part, **values) for part in ("kind", "reason", "text"))
     leak_only = "leak_only" in own_tables("findings.toml")[name]
-    if not is_reported:
-        return Finding(kind, Level.VALID, reason, "", leak_factor, of_contact=not leak_only)
     in_interval = (
         leak_only and proven and leak_factor != EXACT and 0.0 < leak_factor.low <= leak_factor.high < math.inf
     )
     level = Level.OUTSIDE if outside else Level.VALID if in_interval else Level.DOUBTFUL
-    return Finding(kind, level, reason, text, leak_factor, of_contact=not leak_only)
+    return Finding(
+        name,
+        level if is_reported else Level.VALID,
+        values,
+        leak_factor,
+        of_contact=not leak_only,
+        silent=not is_reported,
+    )
 
 
 def fade_in(leak_factor: Bounds, ratio: float) -> Bounds:
@@ -367,7 +423,7 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
         Values for the braces of the texts.
     """
     words: str = own_tables("findings.toml")[name][part]
-    return fill_sentence(words, values)
+    return fill(current_display(), words, **values)
 
 
 def why_missing(problem: LoadProblem) -> str:
@@ -428,24 +484,8 @@ def _finding_of_loads(
         "not_calculated",
         # the message of an open seal has its pressure and force already
         load="" if problem.kind == "open" else load,
-        problem=problem,
-        names=f"{few_words(names)}{with_force}",
+        message=problem.message,
+        names=f"{join_names(names)}{with_force}",
         why=why_missing(problem),
         others=sentence("not_calculated", how, values=others) if others else "",
     )
-
-
-# So many names are told.
-_FEW = 3
-
-
-def few_words(names: Sequence[str]) -> str:
-    """Names with commas between them, of many the first two and how many more there are.
-
-    Parameters
-    ----------
-    names : sequence of str
-    """
-    if len(names) <= _FEW:
-        return ", ".join(names)
-    return f"{', '.join(names[: _FEW - 1])} and {len(names) - _FEW + 1} more"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal import units
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError
 from fem_seal.files import own_tables, write_text
@@ -66,7 +67,9 @@ def page(designs: designs_table.Designs, counts: dict[str, int], reasons: list[t
 
     seal = designs.about["seal"]
     of_flow = Unit(*seal["leak_rate_unit"]) if seal.get("leak_rate_unit") else None
-    with shown_in(designs.about.get("units"), seal.get("throughputs", False), of_flow):
+    with shown_in(
+        units.Display(designs.about.get("units") or "field", seal.get("throughputs", False), of_flow)
+    ):
         return template("study.html.j2").render(
             title=designs.about["title"] or "Study",
             headline=_headline(designs, counts),

@@ -34,7 +34,7 @@ from fem_seal.case.case import Case
 from fem_seal.errors import SealError, error_text
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
-from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
+from fem_seal.seal.findings import NOT_JUDGED, Level, Validity, remark
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.problem import problems_of
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
@@ -219,8 +219,8 @@ def _check_validity(
 
 def _drop_column(column: str, error: Exception, load: Load) -> Load:
     """A load of which one column could not be calculated."""
-    remark = f"{column} could not be calculated: {error_text(error)}"
-    cautions = (*load.validity.cautions, Finding("not calculated", Level.DOUBTFUL, remark, remark))
+    says = f"{column} could not be calculated: {error_text(error)}"
+    cautions = (*load.validity.cautions, remark("not calculated", Level.DOUBTFUL, says))
     return load.with_values(validity=Validity.of(cautions))
 
 

@@ -220,8 +220,8 @@ def description(study: StudyPlan) -> dict[str, Any]:
         "seal": {
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
-            "throughputs": case.display_units[1],
-            "leak_rate_unit": None if (unit := case.display_units[2]) is None else [unit.name, unit.size],
+            "throughputs": case.display.throughputs,
+            "leak_rate_unit": None if (unit := case.display.of_flow) is None else [unit.name, unit.size],
             "fluid": case.fluid.name if case.fluid else None,
             # limits of classes depend on the design
             "limit_m3_per_s": None if requirement is None or requirement.standard else requirement.leak_rate,

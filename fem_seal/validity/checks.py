@@ -21,7 +21,7 @@ from fem_seal.seal.findings import (
     Validity,
     caution,
     fade_in,
-    sentence,
+    remark,
 )
 from fem_seal.seal.leak_model import DIRECT_END
 from fem_seal.seal.load_result import LoadResult, load_name
@@ -35,7 +35,6 @@ from fem_seal.units import (
     format_value,
     number,
     round_digits,
-    share_text,
     short_quantity,
 )
 from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
@@ -125,7 +124,7 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     if problem.faces > 1:
         remarks.append(replace(caution("without_friction"), level=Level.VALID))
     items = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
-    return (*(item for item in items if item.text), *remarks, *_earlier_cautions(problem, loads[0]))
+    return (*(item for item in items if not item.silent), *remarks, *_earlier_cautions(problem, loads[0]))
 
 
 def load_cautions(
@@ -262,9 +261,7 @@ def _earlier_cautions(problem: SealProblem, current: LoadResult) -> tuple[Findin
     load = LoadResult(*problem.loads.earlier, current.contact.history[-1], mesh_error=current.mesh_error)
     bodies: tuple[Check, ...] = (_yielding, _may_yield, _beyond_curve, _turning, _contact_ends)
     return tuple(
-        replace(f, reason=f"largest earlier load: {f.reason}", text=f"at the largest earlier load: {f.text}")
-        for check in bodies
-        for f in check(problem, [load])
+        finding.found_at("largest earlier load") for check in bodies for finding in check(problem, [load])
     )
 
 
@@ -282,9 +279,9 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
         f"{short_quantity('force', load.applied_force)} at {format_value(load.fluid_pressure, '.4g bar')}"
         for load in ends
     )
-    for finding in filter(lambda finding: finding.text, _at_target(problem, answers)):
-        text = f"at the force for the target leak rate, {' to '.join(forces)}: {finding.text}"
-        yield replace(finding, text=text)
+    for finding in _at_target(problem, answers):
+        if not finding.silent:
+            yield finding.found_at(f"at the force for the target leak rate, {' to '.join(forces)}")
 
 
 def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
@@ -320,7 +317,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Finding]:
     if problem.origin.usual_only:
         yield caution("finish", leak_factor=Bounds.factor_bounds(10.0), proven=False)
     for text in problem.origin.remarks:
-        yield Finding("roughness", Level.DOUBTFUL, text, text, of_contact=False)
+        yield remark("roughness", Level.DOUBTFUL, text, of_contact=False)
 
 
 def _face_cautions(problem: SealProblem) -> Iterator[Finding]:
@@ -339,19 +336,16 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     if close:
         margin, load = min(close, key=lambda item: item[0].share)
         share = max(margin.share, 0.0)
-        numbers = {"count": len(close), "limit": 100 * _NEAR_OPENING}
-        others = sentence("near_opening", "others", **numbers) if len(close) > 1 else ""
-        times = number(1 / share, 2) if share > 0 else ""
         yield caution(
             "near_opening",
             load,
             loads,
-            share=share_text(share),
+            share=share,
             force=_two_digits(margin.force, "N"),
             applied=load.applied_force,
             pressure=_two_digits(margin.pressure, "bar"),
-            others=others,
-            counts=sentence("near_opening", "times" if times else "any", times=times),
+            count=len(close),
+            limit=100 * _NEAR_OPENING,
         )
 
 
@@ -417,7 +411,7 @@ def _yields_before_fluid(problem: SealProblem, loads: Sequence[LoadResult]) -> I
             lower=problem.contact.seat.label,
             excess=_times(excess, load),
             limit=fixed_quantity("MPa", problem.materials[name].yield_stress or 0.0),
-            load=load,
+            applied=load.applied_force,
         )
 
 
@@ -429,17 +423,16 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
     load = max(loads, key=_highest_pressure)
     peak = _highest_pressure(load)
     for name, material in problem.materials.items():
-        flows, hardness, which = material.yield_stress, material.hardness, "known"
+        flows, hardness, basis = material.yield_stress, material.hardness, "yield stress"
         if flows is not None and load.contact.model.knows_stress:
             continue
         if flows is None and hardness is not None:
-            flows, which = hardness / HARDNESS_OVER_YIELD_STRESS, "hard"
+            flows, basis = hardness / HARDNESS_OVER_YIELD_STRESS, "hardness"
         elif flows is None:
-            flows, which = _SOFT * material.youngs_modulus, "soft"
+            flows, basis = _SOFT * material.youngs_modulus, "Young's modulus"
         limit = _HERTZ_YIELDS * flows
         if peak > limit:
             label = problem.contact.label_of(name)
-            words = material.name or label
             yield caution(
                 "may_yield",
                 load,
@@ -448,8 +441,8 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
                 pressure=_named_pressure(load),
                 peak=_stress(peak, load, limit),
                 limit=fixed_at_limit("MPa", limit, peak, 2),
-                why=sentence("may_yield", which, material=words),
-                which=sentence("may_yield", f"which_{which}", material=words),
+                basis=basis,
+                material=material.name or label,
             )
 
 
@@ -573,7 +566,7 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     materials = {name: material for name, material in problem.labelled_materials.items() if material.creeps}
     for (name, material), text in zip(materials.items(), creep_remarks(materials), strict=True):
-        yield Finding("creep", Level.DOUBTFUL, f"{name}: {material.name} creeps", text)
+        yield caution("creep", name=name, material=material.name, text=text)
 
 
 def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -613,7 +606,7 @@ def _named_pressure(load: LoadResult) -> str:
     """Name of `_highest_pressure`."""
     profile = load.tightest
     is_current = profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
-    return sentence("pressures", "now" if is_current else "before")
+    return "peak pressure" if is_current else "largest earlier pressure"
 
 
 def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -631,7 +624,7 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
         pressure=_named_pressure(load),
         times=_times(share, load),
         peak=_stress(peak, load, hardness),
-        why=sentence("hardness", "above" if share > 1 else "near"),
+        share=share,
     )
 
 
@@ -658,7 +651,7 @@ def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: f
             load,
             loads,
             leak_factor=Bounds(0.0, math.inf) if leaky else EXACT,
-            surface=surface,
+            threshold=surface.percolation_threshold,
             pressure=_named_pressure(load),
             peak=_stress(peak, load, sealing),
             limit=fixed_quantity("MPa", sealing),
@@ -691,9 +684,7 @@ def _nearly_sealed(
     elif leak is not None and leak.leak_rate > 0.0 and load.leak_before_sealing > 0.0:
         high = max(load.leak_before_sealing / leak.leak_rate, 1.0)
     few = Validity.of(_few_channels(load, loads, surface)).leak_factor.high
-    bound = "with_lay" if few > 1.0 and surface.peklenik != 1.0 else "bounded"
     finite = load.circumference is None and few * high < ORDERS_OF_MAGNITUDE
-    side = "close" if load.peak_pressure < sealing else "short"
     yield caution(
         "close_to_threshold",
         load,
@@ -701,11 +692,11 @@ def _nearly_sealed(
         leak_factor=Bounds(low, high),
         proven=False,
         area=area,
-        surface=surface,
-        briefly=sentence("close_to_threshold", f"{side}_briefly"),
-        near=sentence("close_to_threshold", side, surface=surface),
+        threshold=surface.percolation_threshold,
+        above=load.peak_pressure >= sealing,
         direct_end=DIRECT_END,
-        bound=sentence("close_to_threshold", bound if finite else "unbounded", times=number(few * high, 2)),
+        times=few * high if finite else None,
+        with_lay=few > 1.0 and surface.peklenik != 1.0,
     )
 
 
@@ -723,19 +714,19 @@ def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughC
     factor, of_lay, is_near = max(few, lay), lay > _LAY_REPORTED, area > DIRECT_END
     if of_lay or known_all:
         long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
-        ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
-        ends_of_range = [sentence("lay", end, known=_LAY_KNOWN, longest=_LAY_LONGEST) for end in ends]
+        largest_area, longest = _LAY_KNOWN if area > _LAY_KNOWN else None, _LAY_LONGEST if long else None
         yield caution(
             "lay",
             load,
             loads,
             leak_factor=fade_in(Bounds.factor_bounds(factor), math.log(lay) / math.log(_LAY_REPORTED)),
             is_reported=of_lay and not is_near,
-            proven=not ends_of_range,
+            proven=largest_area is None and longest is None,
             lay=factor,
             area=area,
-            surface=surface,
-            beyond=sentence("lay", "beyond", known=" and ".join(ends_of_range)) if ends_of_range else "",
+            peklenik=surface.peklenik,
+            largest_area=largest_area,
+            longest=longest,
         )
     else:
         yield caution(
@@ -768,7 +759,6 @@ def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadR
         yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressure, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     below, above = (math.exp(error) for error in table.log_error(row))
-    octave = 1.0 / row.cutoff_ratio if row.cutoff_ratio > 0.0 else math.inf
     if max(below, above) > _UNSURE:
         yield caution(
             "direct_scatter",
@@ -778,8 +768,8 @@ def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadR
             down=below,
             up=above,
             at=at,
-            samples=sentence("direct_scatter", "samples" if row.samples > 1 else "sample", row=row),
-            octave=sentence("direct_scatter", "changes" if row.cutoff_ratio > 0.0 else "decides", by=octave),
+            samples=row.samples,
+            octave=1.0 / row.cutoff_ratio if row.cutoff_ratio > 0.0 else None,
         )
 
 
@@ -812,10 +802,10 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     std, spectrum = load.std, surface.spectrum
     share_above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
     share = 1.0 - share_above
-    factors, effect = EXACT, ""
+    factors, times = EXACT, None
     if surface.knows_deviation:
-        factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
-        effect = sentence("long_waves", "more", factors=factors)
+        times = 1.0 + _MORE_OF_LONG * share
+        factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), times)
     reports, factors = share > _LONG_WAVES, fade_in(factors, share / _LONG_WAVES)
     if reports or factors.apart:
         yield caution(
@@ -824,9 +814,9 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
             loads,
             leak_factor=factors,
             is_reported=reports,
-            share=share_text(share),
+            share=share,
             std=_um(std, load),
-            more=effect,
+            times=times,
         )
 
 
@@ -837,7 +827,6 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
         load = max(loads, key=_fluid_over_contact)
         share = _fluid_over_contact(load)
         times = opening_factor(share)
-        text = sentence("fluid_opens", "about" if share < _FLUID_LIFTS else "several", times=times)
         yield caution(
             "fluid_opens",
             load,
@@ -846,7 +835,8 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
             leak_factor=fade_in(Bounds(1.0, times), share / FLUID_OPENS),
             is_reported=share > FLUID_OPENS,
             share=share,
-            most="" if load.whole.parts else text,
+            times=times if share < _FLUID_LIFTS else None,
+            several_lands=bool(load.whole.parts),
         )
 
 
@@ -881,7 +871,7 @@ def _coarse(load: LoadResult) -> Iterator[Finding]:
         yield caution("mesh_not_estimated")
     elif model.yields:
         if worst > _LARGEST_ERROR_OF_PATH:
-            yield caution("mesh_and_steps", share=share_text(worst))
+            yield caution("mesh_and_steps", share=worst)
     elif worst > _LARGEST_ERROR:
         size = float(np.diff(model.line.vertices).min())
-        yield caution("mesh", share=share_text(worst), size=size)
+        yield caution("mesh", share=worst, size=size)

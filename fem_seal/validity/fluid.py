@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_seal.materials import ROOM_TEMPERATURE, in_degrees
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, caution, fade_in, sentence
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, caution, fade_in
 from fem_seal.seal.leak_model import FlowModel
-from fem_seal.seal.load_result import LoadResult, load_name
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import format_value, round_digits, share_text
+from fem_seal.units import format_value, round_digits
 from fem_seal.validity.materials import FAR, NEAR
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
     ratio = float(law.viscosity_ratio(pressure))
     if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHT):
         limit = format_value(law.highest_pressure, ".4g bar")
-        yield caution("thickening_extrapolated", load, loads, known=limit, flow=flow, ratio=ratio)
+        yield caution("thickening_extrapolated", load, loads, known=limit, fluid=flow.fluid, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     yield caution(
         "thickening_uncertain",
@@ -142,9 +142,9 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
         loads,
         leak_factor=fade_in(Bounds.factor_bounds(1.0 + share), share / _UNCERTAIN),
         is_reported=share > _UNCERTAIN,
-        share=share_text(share),
-        flow=flow,
-        known=share_text(law.uncertainty),
+        share=share,
+        fluid=flow.fluid,
+        known=law.uncertainty,
     )
 
 
@@ -166,7 +166,7 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
         is_reported=pressure > _THICKENS,
         pressure=format_value(pressure, ".4g bar"),
         share=share,
-        flow=flow,
+        fluid=flow.fluid,
         little=1e9 * weak.coefficient,
         much=1e9 * strong.coefficient,
     )
@@ -182,11 +182,18 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
         at, limit = (format_value(pressure, ".4g bar") for pressure in (highest, gas.real.highest_pressure))
         condenses = gas.real.condenses
         yield caution(
-            "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=limit
+            "condensed" if condenses else "dense_gas",
+            outside=condenses,
+            gas=gas.name,
+            temperature=gas.temperature,
+            at=at,
+            known=limit,
         )
     elif gas.real is None and highest > (liquid := condensation_pressure(gas)):
         at, limit = (format_value(pressure, ".4g bar") for pressure in (highest, liquid))
-        yield caution("condensed", outside=True, gas=gas, at=at, known=limit)
+        yield caution(
+            "condensed", outside=True, gas=gas.name, temperature=gas.temperature, at=at, known=limit
+        )
         yield from _not_ideal(flow, gas, liquid, is_reported=False)
     elif gas.real is None and highest > 0.5 * gas.dilute_pressure:
         yield from _not_ideal(flow, gas, highest, is_reported=highest > gas.dilute_pressure)
@@ -197,23 +204,25 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float, *, is_reported: bool) 
     from leak.fluids.library import coolprop_name, estimated_real_gas
 
     real, name = estimated_real_gas(gas, highest), coolprop_name(gas.name)
-    leaks, effect, ratio = "", "", 1.0
+    factors: dict[str, Any] = {"times": None}
+    ratio = 1.0
     if real is not None:
         ratio = real_gas_flow_ratio(real, highest, flow.outlet_pressure)
-        leaks = sentence("not_ideal_gas", "leaks", ratio=ratio)
-        factors = {"factor": float(real.factor(highest)), "viscosity": float(real.viscosity_ratio(highest))}
-        effect = sentence("not_ideal_gas", "there", leaks=leaks, **factors)
+        factors = {
+            "times": ratio,
+            "factor": float(real.factor(highest)),
+            "viscosity": float(real.viscosity_ratio(highest)),
+        }
     yield caution(
         "not_ideal_gas",
         leak_factor=fade_in(Bounds(min(ratio, 1.0), max(ratio, 1.0)), highest / gas.dilute_pressure),
         proven=False,
         is_reported=is_reported,
-        gas=gas,
+        gas=gas.name,
         at=format_value(highest, ".4g bar"),
         dilute=format_value(gas.dilute_pressure, ".4g bar"),
-        leaks=leaks,
-        there=effect,
-        remedy="" if name is None else sentence("not_ideal_gas", "remedy", other=name),
+        other=name,
+        **factors,
     )
 
 
@@ -226,7 +235,7 @@ def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
         finding = fastest(flow, loads, pairs, end=end)
         if finding is not None:
             yield finding
-            if finding.text:
+            if not finding.silent:
                 return
 
 
@@ -250,18 +259,21 @@ def _fastest_gas(
         return None
     low = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced_Re))
     return caution(
-        "gas_inertia_of_end" if end else "gas_inertia",
+        "gas_inertia",
+        load,
+        loads,
         outside=is_void and not end,
         leak_factor=fade_in(Bounds(1.0 if end else max(low, 0.0), 1.0), ratio),
         proven=False,
         is_reported=is_reported,
-        place=_describe_place(load, loads, end=end),
+        around=_has_waves(load),
+        end=end,
         fast=f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}",
-        share=share_text(numbers.acceleration),
+        share=numbers.acceleration,
         limit=100 * _DOUBTFUL_SHARE,
         reduced=_two(reduced_Re),
         most=_INERTIAL,
-        chokes=sentence("gas_inertia", "chokes") if numbers.mach > _CHOKING_MACH else "",
+        chokes=numbers.mach > _CHOKING_MACH,
     )
 
 
@@ -282,12 +294,15 @@ def _fastest_liquid(
     if load is None or (end and not is_reported):
         return None
     return caution(
-        "liquid_inertia_of_end" if end else "liquid_inertia",
+        "liquid_inertia",
+        load,
+        loads,
         outside=reynolds > _TURBULENT and not end,
         leak_factor=fade_in(Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced_Re), 1.0), ratio),
         proven=False,
         is_reported=is_reported,
-        place=_describe_place(load, loads, end=end),
+        around=_has_waves(load),
+        end=end,
         fluid=flow.fluid,
         reynolds=_two(reynolds),
         turbulent=_TURBULENT,
@@ -337,12 +352,8 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
     return circumference.profile_at(float(circumference.angle[at])), circumference.leak.scaled(share * whole)
 
 
-def _describe_place(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
-    """Load, place and reading of the fastest flow, in words."""
-    has_waves = load.circumference is not None and bool(load.circumference.form.felt)
-    parts = [name for name, applies in (("load", True), ("around", has_waves), ("end", end)) if applies]
-    clauses = [sentence("inertia_at", part, name=load_name(load, loads)) for part in parts]
-    return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
+def _has_waves(load: LoadResult) -> bool:
+    return load.circumference is not None and bool(load.circumference.form.felt)
 
 
 def _two(value: float) -> str:

@@ -10,10 +10,10 @@ import numpy as np
 from fem_seal.form import FormError
 from fem_seal.loads import LARGEST_EXCESS
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.findings import Bounds, Finding, Level, caution, fade_in
+from fem_seal.seal.findings import Bounds, Finding, Level, caution, fade_in, remark
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit, share_text
+from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit
 from fem_seal.validity.fluid import opening_factor
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
@@ -39,7 +39,7 @@ def form_cautions(form: FormError, problem: SealProblem, loads: Sequence[LoadRes
         Each caution is about the worst of them.
     """
     for text in form.remarks:
-        yield Finding("form", Level.DOUBTFUL, text, text)
+        yield remark("form", Level.DOUBTFUL, text)
     circumferences = [
         (load, load.circumference)
         for load in loads
@@ -84,7 +84,7 @@ def _open(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Itera
     load, circumference = min(circumferences, key=lambda pair: pair[1].least_over_mean)
     if circumference.least_over_mean < _OPEN:
         share = float(np.mean(circumference.line_load < _OPEN * circumference.line_load.mean()))
-        yield caution("open_in_part", load, loads, share=share_text(share), limit=100 * _OPEN)
+        yield caution("open_in_part", load, loads, share=share, limit=100 * _OPEN)
 
 
 def _fluid_opens(

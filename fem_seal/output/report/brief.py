@@ -31,9 +31,10 @@ from fem_seal.output.columns import (
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
-from fem_seal.seal.findings import YIELD_STRESS, Level, few_words, sentence
+from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
 from fem_seal.units import leak_range_text, shared_flow_unit
+from fem_seal.wording import join_names
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -90,7 +91,7 @@ def missing_in_brief(result: SealSolution) -> str:
     if not missing or (found is not None and found.number is None and len(missing) == 1):
         return ""
     names = load_axis(result.every_load).names
-    return phrase("brief.first", "missing", names=few_words([names[one.number] for one in missing]))
+    return phrase("brief.first", "missing", names=join_names([names[one.number] for one in missing]))
 
 
 def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
@@ -164,7 +165,7 @@ def _force(result: SealSolution, load: CaseLoad) -> str:
 
 def _curve(result: SealSolution, load: CaseLoad) -> str:
     worst = load.validity.cautions[:1]
-    yields = load.validity.outside and worst[0].kind == sentence("yield_stress", "kind")
+    yields = load.validity.outside and worst[0].kind == YIELD_STRESS
     if not yields:
         return ""
     # the strip that carries the line load with Prandtl's pressure, some three times the yield stress

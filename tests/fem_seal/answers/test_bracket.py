@@ -31,7 +31,7 @@ from fem_seal.output.report.words import (
     scenarios_in_words,
 )
 from fem_seal.output.tables import leak_rows, leakage_table
-from fem_seal.seal.findings import Bounds, Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -389,7 +389,7 @@ def test_ends_that_are_one_number_in_the_first_unit_are_one_in_all(low, over, fl
     if fluid == "helium":
         leaks = replace(leaks, throughput=1.0, standard_leak_rate=1.0)
     for error in (0.0, 0.7):
-        few = Validity.of([Finding("few", Level.DOUBTFUL, "few", "...", Bounds.factor_bounds(1 + error))])
+        few = Validity.of([remark("few", Level.DOUBTFUL, "few", Bounds.factor_bounds(1 + error))])
         ends = [leaks.scaled(one * 1e-6 / 60) for one in (low, over * low)]
         load = with_capped(solved.with_values(leak=ends[0], validity=few), ends[1])
         first, *others = leakage_text(load).split(" = ")

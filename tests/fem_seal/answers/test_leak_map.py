@@ -20,7 +20,7 @@ from fem_seal.answers.leak_map import _with_return
 from fem_seal.cli import app as cli
 from fem_seal.cli.table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
-from fem_seal.seal.findings import Bounds
+from fem_seal.seal.findings import Bounds, remark
 from leak.flow.leak_result import leakage_area_of_gas, leakage_area_of_liquid
 from leak.fluids.library import HEAT_CAPACITIES, heat_capacity_ratio
 
@@ -339,11 +339,9 @@ def test_a_grid_that_is_none_is_refused(text):
 
 def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
     from fem_seal.cli import table as cli_table
-    from fem_seal.seal.findings import VALID, Finding, Level, Validity
+    from fem_seal.seal.findings import VALID, Level, Validity
 
-    few = Validity.of(
-        [Finding("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(3.3))]
-    )
+    few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", Bounds.factor_bounds(3.3))])
     found = SimpleNamespace(
         applied_force=np.array([100.0, 200.0]),
         fluid_pressure=np.array([5e5]),

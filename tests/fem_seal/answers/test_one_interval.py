@@ -22,7 +22,7 @@ from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.output.tables import leak_rows
-from fem_seal.seal.findings import Bounds, Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.units import LIQUID, format_digits, leak_range_text, range_text
 from leak import Reading, millilitres_per_minute
 
@@ -41,7 +41,7 @@ RESULTS = {"two readings": rough_result, "one reading": single_result, "sampled"
 
 def known_as(result, factor, level, limit):
     """A solved result whose loads are known as well as that, judged as the chain does."""
-    validity = Validity.of([Finding("x", level, "few channels", "...", factor)])
+    validity = Validity.of([remark("x", level, "few channels", factor)])
     loads = tuple(load.with_values(validity=validity) for load in result.loads)
     of = result.case.replace({"requirement": {"leak_rate": f"{limit!r} m^3/s"}})
     return with_new_verdicts(replace(result, case=of, loads=loads))

@@ -21,7 +21,7 @@ from fem_seal.cli.app import main
 from fem_seal.output.answers.particles import particle_table, particles_in_words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Level, Validity, remark
 from leak import Reading
 
 DIRTY: dict[str, Any] = {"iso_4406": "15/13/10"}
@@ -218,7 +218,7 @@ def test_it_is_said_as_an_estimate():
 
 
 def test_nothing_is_said_of_a_load_outside_the_theory():
-    caution = Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
+    caution = remark("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress")
     outside = replace(result().loads[-1], validity=Validity.of([caution]))
     assert particles_in_words(replace(result(), loads=(result().loads[0], outside))) == []
 

@@ -24,7 +24,7 @@ from fem_seal.output.report.brief import first_line
 from fem_seal.output.tables import leak_table
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Level, Validity, remark
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
 from leak import FlowError
@@ -261,7 +261,7 @@ def test_a_class_is_met_by_the_gas_of_its_test():
 
 def test_outside_the_theory_there_is_no_probability():
     seal = seal_of(one())
-    outside = Validity.of([Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")])
+    outside = Validity.of([remark("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress")])
     (found,) = pass_probabilities(seal.with_loads([seal.loads[0].with_values(validity=outside)]))
     assert found.why_none == "seat: 3 times its yield stress"
     assert math.isnan(found.share)

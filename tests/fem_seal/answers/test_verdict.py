@@ -31,7 +31,7 @@ from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.tables import leak_table
-from fem_seal.seal.findings import Bounds, Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
 from fem_seal.units import leak_range_text, shown_in
@@ -44,7 +44,7 @@ from leak.standards import (
     visible_leak_rate,
 )
 
-OUTSIDE = Validity.of([Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")])
+OUTSIDE = Validity.of([remark("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress")])
 
 
 def widened(ends, doubt):
@@ -117,7 +117,7 @@ def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(end
     ],
 )
 def test_a_theory_that_lets_too_little_leak_leaves_a_fail_a_fail(factor, ends, verdict):
-    beyond = Validity.of([Finding("fluid opens", Level.OUTSIDE, "opens", "...", Bounds(*factor))])
+    beyond = Validity.of([remark("fluid opens", Level.OUTSIDE, "opens", Bounds(*factor))])
     assert LoadVerdict.of(Limit("leak rate", 2.0), ends, beyond).verdict is verdict
     with_other = Validity.of([*beyond.cautions, *OUTSIDE.cautions])
     assert LoadVerdict.of(Limit("leak rate", 2.0), ends, with_other).verdict is Verdict.INCONCLUSIVE
@@ -130,7 +130,7 @@ def test_a_theory_that_lets_too_little_leak_leaves_a_fail_a_fail(factor, ends, v
 )
 def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, factors):
     """Whatever leaks in truth, a seal that passes keeps its limit and one that fails does not."""
-    doubt = Validity.of([Finding("x", Level.DOUBTFUL, f"by {one}", "...", one) for one in factors])
+    doubt = Validity.of([remark("x", Level.DOUBTFUL, f"by {one}", one) for one in factors])
     # what stands at a limit does so to the last digit or not
     assume(all(abs(limit / end - 1) > 1e-12 for end in ends))
     judged = LoadVerdict.of(Limit("leak rate", limit), widened(ends, doubt), doubt)
@@ -172,7 +172,7 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     ],
 )
 def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends, verdict):
-    few = Validity.of([Finding("few channels", Level.DOUBTFUL, "few channels", "...", factor)])
+    few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", factor)])
     judged = LoadVerdict.of(Limit("leak rate", 2.0), widened(ends, few), few)
     assert judged.verdict == verdict
     assert (judged.why, judged.reason) == (
@@ -316,7 +316,7 @@ def test_of_loads_that_fail_the_surest_decides():
     # of those that pass it is still the one with the least margin
     near, far = LoadVerdict.of(limit, (0.1, 0.9)), LoadVerdict.of(limit, (0.01, 0.1))
     assert max((near, far), key=severity) is near
-    doubt = Validity.of([Finding("lay", Level.VALID, "a lay", "...", Bounds.factor_bounds(3.0))])
+    doubt = Validity.of([remark("lay", Level.VALID, "a lay", Bounds.factor_bounds(3.0))])
     ranked = [
         LoadVerdict.of(limit, ends, doubt)
         for ends in ((0.01, 0.1), (0.1, 2.0), (0.1, 9.0), (0.5, 9.0), (2.0, 9.0))
@@ -442,9 +442,7 @@ def test_each_way_to_a_verdict_has_its_sentence():
     opened = {(64e5, 10.0): LoadProblem("load.applied_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
     outside = replace(solved, loads=tuple(load.with_values(validity=OUTSIDE) for load in solved.loads))
-    few = Validity.of(
-        [Finding("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(3.3))]
-    )
+    few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", Bounds.factor_bounds(3.3))])
     doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     low, high = solved.leak_ranges[-1]
     told = {
@@ -475,9 +473,7 @@ def test_limit_and_leak_rate_stand_in_one_unit(over):
 @pytest.mark.parametrize(("over", "told"), [(14.3, "a margin of 10."), (1 / 143, "100 times the allowed")])
 def test_a_factor_has_no_more_digits_than_the_leak_rate_it_is_made_of(over, told):
     solved = rough_result()
-    few = Validity.of(
-        [Finding("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(3.3))]
-    )
+    few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", Bounds.factor_bounds(3.3))])
     doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     low, high = doubted.leak_ranges[-1]
     judged = required(doubted, leak_rate=f"{over * (high if over > 1 else low)!r} m^3/s")
@@ -508,7 +504,7 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     assert next_class(result.case, load.with_values(validity=OUTSIDE)) is None
     # a class that the calculated leak rate meets, but not twice as much
     few = load.with_values(
-        validity=Validity.of([Finding("channels", Level.DOUBTFUL, "few", "...", Bounds.factor_bounds(2.0))])
+        validity=Validity.of([remark("channels", Level.DOUBTFUL, "few", Bounds.factor_bounds(2.0))])
     )
     for end, name, told in (
         (30e-9, "G", "ISO 5208 G is met as calculated, but by less than the error of the calculation"),
@@ -649,7 +645,7 @@ def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():
     # 1 mbar l/s is 0.1 Pa m³/s, at 101325 Pa
     for limit, told in ((high * 101325 / 0.1 / 1000, "allowed"), (high * 101325 / 0.1 * 1000, "is allowed")):
         judged = required(gas, leak_rate=f"{limit!r} mbar l/s")
-        with shown_in(*judged.case.shown):
+        with shown_in(judged.case.display):
             (sentence, *_) = verdict_sentences(judged)
             (announced, *_) = requirement_lines(required(gas, leak_rate="2e-3 mbar l/s").case)
         assert told in sentence and sentence.count("mbar l/s") == 2 and "/min" not in sentence
@@ -657,7 +653,7 @@ def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():
 
 
 def test_a_verdict_with_doubt_says_so_in_its_first_words():
-    doubt = Validity.of([Finding("channels", Level.DOUBTFUL, "leak rate up to a factor 3.3 off", "...")])
+    doubt = Validity.of([remark("channels", Level.DOUBTFUL, "leak rate up to a factor 3.3 off")])
     solved = rough_result()
     doubted = replace(solved, loads=tuple(load.with_values(validity=doubt) for load in solved.loads))
     low, _ = solved.leak_ranges[-1]
@@ -703,14 +699,14 @@ def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_inconclusive(m
 
 def test_of_several_doubts_the_sentence_names_all_and_what_they_come_to():
     few, thick = (
-        Finding("x", Level.DOUBTFUL, reason, "...", factor)
+        remark("x", Level.DOUBTFUL, reason, factor)
         for reason, factor in (("few channels", Bounds.factor_bounds(1.7)), ("thickens", (0.5, 1.6)))
     )
     doubt = Validity.of([few, thick])
     assert doubt.leak_reason(more=True) == "together a factor 2.7 more: few channels; thickens"
     assert doubt.leak_reason(more=False) == "together a factor 3.4 less: few channels; thickens"
     # what only leaks less takes nothing from an upper end, for classes neither
-    less = Validity.of([Finding("x", Level.DOUBTFUL, "thickens", "...", (0.4, 0.9))])
+    less = Validity.of([remark("x", Level.DOUBTFUL, "thickens", (0.4, 0.9))])
     assert less.leak_factor == (0.4, 1.0)
     load, case_ = rough_result().highest, rough_result().case
     assert not any(
@@ -720,7 +716,7 @@ def test_of_several_doubts_the_sentence_names_all_and_what_they_come_to():
 
 
 def test_where_nothing_visible_may_leak_the_sentence_compares_with_no_number():
-    few = Validity.of([Finding("few channels", Level.DOUBTFUL, "few channels", "...", (0.0, math.inf))])
+    few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", (0.0, math.inf))])
     solved = rough_result()
     doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     (told, *_) = verdict_sentences(required(doubted, standard="ISO 5208", **{"class": "A"}))
@@ -728,9 +724,7 @@ def test_where_nothing_visible_may_leak_the_sentence_compares_with_no_number():
 
 
 def test_what_the_interval_holds_is_not_counted_again():
-    scatter = Validity.of(
-        [Finding("direct scatter", Level.DOUBTFUL, "scatter", "...", Bounds.factor_bounds(4.0))]
-    )
+    scatter = Validity.of([remark("direct scatter", Level.DOUBTFUL, "scatter", Bounds.factor_bounds(4.0))])
     load = rough_result().highest.with_values(validity=scatter, mesh_error=None)
     assert load.leak_validity.leak_factor == (1.0, 1.0) and load.leak_digits == 1
 

@@ -17,7 +17,7 @@ from fem_seal.cli import terminal
 from fem_seal.cli.terminal import _cell, show_leak_table, show_leakage
 from fem_seal.output import columns as output_columns
 from fem_seal.seal import findings as caution
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError, LoadResult
 from fem_seal.studies.progress import Lines
 from leak import LeakResult
@@ -25,7 +25,7 @@ from leak import LeakResult
 
 def judged(level):
     reason = "seat: 7.4 times its yield stress"
-    return Validity(() if level is Level.VALID else (Finding("kind", level, reason, "..."),))
+    return Validity(() if level is Level.VALID else (remark("kind", level, reason),))
 
 
 def row(pressure=20e5, level=Level.VALID, **entries):

@@ -25,7 +25,7 @@ from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.page import comparison_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
-from fem_seal.seal.findings import Bounds, Finding, Level, Validity
+from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import LIQUID, digits_at_limit, digits_within, format_digits, quantity_worth, round_digits
@@ -227,9 +227,7 @@ def test_a_run_on_a_coarse_mesh_tells_the_digits_of_its_table_everywhere(tmp_pat
 
 
 def doubted(kind: str, leak_error: float) -> Validity:
-    return Validity.of(
-        [Finding(kind, Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(1 + leak_error))]
-    )
+    return Validity.of([remark(kind, Level.DOUBTFUL, "few channels", Bounds.factor_bounds(1 + leak_error))])
 
 
 @pytest.mark.parametrize(("error", "digits"), [(0.0, 4), (0.02, 3), (0.7, 1), (2.3, 1), (math.inf, 1)])
@@ -261,7 +259,7 @@ def test_few_channels_say_how_far_the_leak_rate_may_be_off():
 )
 def test_nothing_is_no_number_with_a_unit(level, said):
     """Outside the theory a zero is no claim, in whatever unit."""
-    validity = Validity.of([Finding("hardness", level, "reason", "...")])
+    validity = Validity.of([remark("hardness", level, "reason")])
     load = rough_result().highest
     nothing = load.leak.scaled(0.0)
     tight = with_capped(load.with_values(leak=nothing, validity=validity), nothing)

@@ -227,7 +227,7 @@ def test_leak_rates_have_the_unit_of_their_limit(text, fluid, name):
     bubble = {"bubble_volume": "0.15 ml"} if "bubble" in text else {}
     given = case(fluid={"name": fluid}, requirement={"leak_rate": text, **bubble})
     count = float(text.split()[0]) / (60.0 if "bubbles" in text else 1.0)
-    with shown_in(*given.shown):
+    with shown_in(given.display):
         limit = given.requirement.leak_rate
         assert leak_range_text(limit, 5).split(maxsplit=1) == [leak_range_text(limit, 5).split()[0], name]
         assert unit_for("flow", 1.0).of(limit) == pytest.approx(count, rel=1e-11)
@@ -239,9 +239,9 @@ def test_a_normal_volume_and_a_system_of_units_keep_their_own():
     normal = case(fluid={"name": "air"}, requirement={"leak_rate": "1 Nml/min"})
     us = case(requirement={"leak_rate": "1 mm^3/min"}, report={"units": "US"})
     number = case().replace({"requirement.leak_rate": 2e-9})
-    assert [one.shown[2] for one in (normal, us, number)] == [None] * 3
+    assert [one.display.of_flow for one in (normal, us, number)] == [None] * 3
     of_class = case(
         load={"fluid_pressure": "5 bar", "target_leak_rate": "1 mm^3/min"},
         requirement={"standard": "FCI 70-2", "class": "V"},
     )
-    assert of_class.shown[2].name == "mm³/min"
+    assert of_class.display.of_flow.name == "mm³/min"

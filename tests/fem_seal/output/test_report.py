@@ -38,7 +38,7 @@ from fem_seal.output.report import words as report_words
 from fem_seal.output.report.brief import _curve, loads_in_brief
 from fem_seal.output.report.page import load_table, pictures, report
 from fem_seal.result import SealResult
-from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.findings import Level, Validity, remark
 from fem_seal.units import leak_range_text, unit_for
 from leak import Reading
 
@@ -310,7 +310,7 @@ def judged(result, *levels):
 
 
 def said(level):
-    return Finding("kind", level, "seat: 7.4 times its yield stress", "A sentence.")
+    return remark("kind", level, "seat: 7.4 times its yield stress")
 
 
 def leakless(result):
@@ -487,7 +487,7 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
     assert f"of 6000 N, {per_length:.3g} N/mm normal to the contact, brings" in told and told.endswith(
         "1 ml/min at 20 bar"
     )
-    crushed = Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields")
+    crushed = remark("yield stress", Level.OUTSIDE, "seat yields")
     result.loads = [load.with_values(target_validity=Validity((crushed,)))]
     assert target_in_brief(result).endswith("(outside the theory: seat yields)")
 
@@ -508,7 +508,7 @@ def test_the_force_for_the_target_is_that_of_the_load_that_needs_most():
 def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
     """212 N/mm over three times 200 MPa are 0.35 mm: far for an edge of 0.2 mm, little for one of 2 mm."""
     load = Mock(line_load=212e3, sampled=None)
-    load.validity = Validity((Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields"),))
+    load.validity = Validity((remark("yield stress", Level.OUTSIDE, "seat yields"),))
     result = Mock(case=Mock(gasket=None))
     result.problem.materials = {"closure": Mock(yield_stress=None), "seat": Mock(yield_stress=200e6)}
     load.contact.model.relative_radius = 0.2e-3
@@ -519,7 +519,7 @@ def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
 
 def test_outside_the_theory_no_leak_of_zero_stands_in_the_first_table():
     load = single_result().highest
-    outside = Validity((Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields"),))
+    outside = Validity((remark("yield stress", Level.OUTSIDE, "seat yields"),))
     for validity, some in ((load.validity, True), (outside, False)):
         sealed = load.with_values(validity=validity, leak=replace(load.leak, leak_rate=0.0))
         table, _ = loads_in_brief(single_case(), [CaseLoad.of(sealed)])

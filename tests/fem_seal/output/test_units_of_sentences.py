@@ -14,7 +14,7 @@ from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.output.prose import prose
 from fem_seal.seal.findings import sentence
-from fem_seal.units import shared_flow_unit, shown_in
+from fem_seal.units import Display, shared_flow_unit, shown_in
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 # a throughput in SI stands beside that of every system
@@ -104,7 +104,7 @@ def test_lists_of_the_libraries_take_the_units_that_are_asked_for(capsys):
         # condition and source speak in their own words; lines that are broken are one again
         lines = re.sub(r"\n +", " ", capsys.readouterr().out).splitlines()
         assert foreign([line for line in lines if not re.match("condition|source", line)], "US") == []
-    with shown_in("US"):
+    with shown_in(Display("US")):
         headings = " ".join([*material_cells(material_rows())[0], *fluid_cells(fluid_rows())[0]]).split()
     assert {"ksi", "1e-6/degF", "cP", "lb/ft3", "psi", "degF"} <= set(headings)
     assert not {"GPa", "MPa", "1e-6/K", "mPa", "kg/m3", "bar", "degC"} & set(headings)
@@ -124,7 +124,7 @@ def test_table_of_the_direct_simulation_takes_the_units_of_the_case():
     rows = [row | {"blocked_samples": 0, "samples": 1}]
     headings, ((_, pressure, *_),) = shown_rows(rows)
     assert headings[1] == "p\nMPa" and pressure == "6.895"
-    with shown_in("US"):
+    with shown_in(Display("US")):
         headings, ((_, pressure, *_),) = shown_rows(rows)
     assert headings[1] == "p\nksi" and pressure == "1.0000"
     assert {"conserved\nu_eff, uin", "mean gap\nuin"} <= set(headings)
@@ -132,9 +132,9 @@ def test_table_of_the_direct_simulation_takes_the_units_of_the_case():
 
 
 def test_a_finding_takes_the_units_of_the_system():
-    values = {"share": "3 %", "size": 2.54e-5}
+    values = {"share": 0.03, "size": 2.54e-5}
     assert "present 25.4 um" in sentence("mesh", "text", **values)
-    with shown_in("US"):
+    with shown_in(Display("US")):
         assert "present 1000 uin" in sentence("mesh", "text", **values)
         at = {
             "stress": "2 ksi",
@@ -150,7 +150,7 @@ def test_a_finding_takes_the_units_of_the_system():
 
 
 def test_si_units_of_small_leak_rates_need_no_powers_of_ten():
-    with shown_in("SI"):
+    with shown_in(Display("SI")):
         unit = shared_flow_unit((2.04e-12, 5.87e-10))
         assert (unit.name, unit.of(2.04e-12)) == ("mm³/s", pytest.approx(0.00204))
 
@@ -166,5 +166,6 @@ def test_si_units_of_small_leak_rates_need_no_powers_of_ten():
 )
 def test_leak_rates_of_a_gas_have_the_kind_of_unit_of_their_limit(limits, throughputs):
     assert (
-        load_case(EXAMPLES / "helium.toml").replace({"requirement": None, **limits}).shown[1] == throughputs
+        load_case(EXAMPLES / "helium.toml").replace({"requirement": None, **limits}).display.throughputs
+        == throughputs
     )

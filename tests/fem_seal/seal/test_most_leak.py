@@ -9,9 +9,9 @@ from sample_results import case, single_result
 
 import fem_seal
 import leak
-from fem_seal.seal.findings import NEARLY_SEALED, Bounds, Finding, Level, Validity
+from fem_seal.seal.findings import NEARLY_SEALED, Bounds, Level, Validity, remark
 
-ANYTHING = Validity.of([Finding("fluid opens", Level.DOUBTFUL, "opens", "opens", Bounds(0.0, math.inf))])
+ANYTHING = Validity.of([remark("fluid opens", Level.DOUBTFUL, "opens", Bounds(0.0, math.inf))])
 
 
 def test_a_doubt_without_an_end_ends_at_the_rough_gap_without_load():
@@ -75,7 +75,7 @@ def test_no_form_error_lets_more_through_than_the_open_bore():
 
 def test_the_bound_next_to_sealing_does_not_widen_samples():
     """17 000 times the bound was told where samples leaked more than the surface as given."""
-    near = Finding(NEARLY_SEALED, Level.DOUBTFUL, "near", "near", Bounds(1e-3, 40.0))
+    near = remark(NEARLY_SEALED, Level.DOUBTFUL, "near", Bounds(1e-3, 40.0))
     load = single_result().loads[0]
     leak = load.leak.leak_rate
     known = {

@@ -20,7 +20,7 @@ from fem_seal.output.report.brief import first_line, second_line
 from fem_seal.output.report.page import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
-from fem_seal.seal.findings import NOT_JUDGED, VALID, Finding, Level, Validity, sentence, worst_first
+from fem_seal.seal.findings import NOT_JUDGED, VALID, Level, Validity, remark, sentence, worst_first
 from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity import checks as warnings
@@ -28,7 +28,7 @@ from fem_seal.validity.checks import load_cautions, load_validity, profile_valid
 
 
 def caution(level, reason):
-    return Finding("kind", level, reason, f"A sentence about {reason}.")
+    return remark("kind", level, reason)
 
 
 def level_of(found):
