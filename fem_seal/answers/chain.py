@@ -219,7 +219,11 @@ def _with_table(steps: OptionalSteps, name: str, model: LeakModel) -> LeakModel:
     with steps.attempt("flow conductivity" + (f" of {asperities}" if name else "")):
         _ = model.table
         return model
-    return replace(model, make=lambda flow, surface: None)
+    return replace(model, make=no_table)
+
+
+def no_table(flow: object, surface: object) -> None:
+    """In place of a flow conductivity that could not be calculated."""
 
 
 def _read(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str]) -> CaseLoad:

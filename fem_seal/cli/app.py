@@ -62,6 +62,26 @@ def _version(
 
 
 @app.command()
+def report(
+    folder: terminal.ResultsFolder,
+    output: Annotated[Path | None, terminal.output_option("DIR/report.html", "HTML file.", "FILE")] = None,
+    quiet: terminal.Quiet = False,
+    debug: terminal.Debug = False,
+) -> None:
+    """Draw the report of a results folder again, without calculating."""
+    from fem_seal.output.report.page import write_report
+    from fem_seal.output.stored import read_result
+
+    result = read_result(folder)
+    file = output or folder / "report.html"
+    with folder_lock(folder), shown_in(result.case.display):
+        write_report(result, file)
+    _warn_of_unfinished_designs(folder)
+    if not quiet:
+        terminal.say(f"report in {file}")
+
+
+@app.command()
 def pdf(
     folder: terminal.ResultsFolder,
     output: Annotated[Path | None, terminal.output_option("DIR/report.pdf", "PDF file.", "FILE")] = None,

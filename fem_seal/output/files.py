@@ -16,7 +16,7 @@ from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Imprint
 from fem_seal.contact.solution import PlasticZone, YieldedZone
 from fem_seal.files import as_json, write_text
-from fem_seal.output import shown_answers
+from fem_seal.output import shown_answers, stored
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
@@ -84,6 +84,8 @@ def write(result: SealSolution, folder: Path, *, every: bool = False) -> tuple[s
                 columns, rows = table(result)
                 if rows:
                     write_rows_csv(draft / name, columns, rows)
+        with steps.attempt(stored.FILE, but=OSError):
+            stored.store_result(result, draft / stored.FILE)
         with steps.attempt("summary.json", but=OSError):
             warnings = (*result.warnings, *steps.failures)
             write_summary(replace(result, warnings=warnings), draft / "summary.json", folder, every=every)

@@ -114,7 +114,7 @@ _DRAFT = ".fem-seal-draft"
 # All files that a run may write, except the tables of its answers: those that the last run did not write are from an
 # earlier one.
 _OF_A_RUN = re.compile(
-    r"(leak|contacts|profile|imprint)\.csv|summary\.json|report\.html|mesh\.msh"
+    r"(leak|contacts|profile|imprint)\.csv|summary\.json|report\.html|result\.bin|mesh\.msh"
     r"|(contact|contact_line|around)\.pvd|contact_\d{3,}\.vtu|(contact_line|around)_\d{3,}\.vtp|unloaded\.vtu"
 )
 

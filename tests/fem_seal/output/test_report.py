@@ -285,6 +285,7 @@ def test_all_result_files_are_written(tmp_path: Path):
         "profile.csv",
         "summary.json",
         "report.html",
+        "result.bin",
         "mesh.msh",
         "contact.pvd",
         "contact_line.pvd",

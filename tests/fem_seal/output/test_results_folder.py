@@ -20,8 +20,8 @@ from sample_results import rough_result, single_result
 
 from fem_seal.cli.app import main
 from fem_seal.errors import InputError, OutputError
-from fem_seal.files import write_text
-from fem_seal.output import files, folders
+from fem_seal.files import write_bytes
+from fem_seal.output import files, folders, stored
 from fem_seal.output.folders import FILE as LOCK
 from fem_seal.output.folders import UNFINISHED, folder_lock, replaced_together, unfinished
 from fem_seal.output.shown_answers import SHOWN
@@ -75,7 +75,7 @@ def dying(two_runs):
     a copy does.
     """
     after = two_runs[1]
-    ready = single_result(), *(after.joinpath(name).read_text() for name in ("report.html", "summary.json"))
+    ready = single_result(), *(after.joinpath(name).read_bytes() for name in DATED)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
     command = [
         sys.executable,
@@ -94,12 +94,26 @@ def dying(two_runs):
     assert process.returncode == 0
 
 
+# Files that say when they were made, or how.
+DATED = ("report.html", "summary.json", stored.FILE)
+
+
+def _write_old(setting, old):
+    """Let `files` write copies of these files."""
+
+    def write(result, path, *others, **options):
+        write_bytes(path, old[path.name])
+
+    setting(files, "write_report", write)
+    setting(files, "write_summary", write)
+    setting(stored, "store_result", write)
+
+
 def _killed():
     """Answers `dying`."""
-    result, drawn, said = pickle.load(sys.stdin.buffer)
+    result, *old = pickle.load(sys.stdin.buffer)
     # drawing takes seconds; what is killed here are the files
-    files.write_report = lambda result, path: write_text(path, drawn)
-    files.write_summary = lambda result, path, folder, every: write_text(path, said)
+    _write_old(setattr, dict(zip(DATED, old, strict=True)))
     # what writing loads, and what of the result is calculated only then, is there for all copies
     with TemporaryDirectory() as once:
         result.write(Path(once))
@@ -118,9 +132,7 @@ def _killed():
 def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, dying, tmp_path, monkeypatch):
     """A process is killed, by SIGKILL, before each thing that it does to a file, from the first to the last."""
     before, after = map(contents, two_runs)
-    drawn, said = after["report.html"].decode(), after["summary.json"].decode()
-    monkeypatch.setattr(files, "write_report", lambda result, path: write_text(path, drawn))
-    monkeypatch.setattr(files, "write_summary", lambda result, path, folder, every: write_text(path, said))
+    _write_old(monkeypatch.setattr, after)
     seen = {"before": 0, "after": 0, "marked": 0}
     moment = 0
     while True:
@@ -257,6 +269,7 @@ def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
         "profile.csv",
         "summary.json",
         "report.html",
+        "result.bin",
         "notes.txt",
         "contact_0.vtu",
     }

@@ -1,0 +1,148 @@
+"""result.bin: a solution without what only solving reads, from which its report can be drawn again.
+
+It is a pickle, which could call anything when it is read: only classes of this program and what they are made of pass.
+"""
+
+from __future__ import annotations
+
+import copyreg
+import pickle
+from collections.abc import Mapping
+from dataclasses import fields
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from fem_seal.answers.solution import SealSolution
+from fem_seal.errors import InputError
+from fem_seal.files import write_bytes
+from fem_seal.version import __version__
+
+FILE = "result.bin"
+_HEAD = b"fem-seal result "
+
+# What only solving reads, by the names of classes. Contacts of elastic bodies keep their fields where they are drawn.
+_OF_SOLVING: Mapping[str, frozenset[str]] = {
+    "CondensedBody": frozenset({"compliance", "find_loads", "loads", "recovery", "solve"}),
+    "ContactModel": frozenset({"compliance", "harmonics"}),
+    "YieldingBody": frozenset({"_dissected_body", "solid"}),
+    "ElastoplasticContact": frozenset({"linear", "states", "unloading"}),
+}
+_FIELDS = frozenset({"fields", "moved"})
+
+_OWN = ("fem_seal", "leak", "meshes", "pathlib")
+# Of other packages, and functions: values made of numbers.
+_KNOWN = {
+    ("builtins", "slice"),
+    ("numpy", "dtype"),
+    ("numpy", "ndarray"),
+    ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"),
+    ("numpy._core.numeric", "_frombuffer"),
+    ("scipy._lib.array_api_compat.numpy._aliases", "asarray"),
+    ("scipy.interpolate._bsplines", "BSpline"),
+    ("scipy.interpolate._fitpack2", "RectBivariateSpline"),
+    ("scipy.sparse._csr", "csr_matrix"),
+    ("skfem.element.element_tri.element_tri_p1", "ElementTriP1"),
+    ("skfem.mapping.mapping_affine", "MappingAffine"),
+    ("fem_seal.answers.chain", "no_table"),
+    ("fem_seal.seal.leak_model", "FlowModel.table_around"),
+}
+# Bound to their objects, which pickle asks `getattr` for.
+_METHODS = {("Source", "table"), ("RoughContact", "log_equivalent_pressure")}
+
+
+class _Slim(pickle.Pickler):
+    """Leaves out what only solving reads."""
+
+    def __init__(self, file: BytesIO, result: SealSolution) -> None:
+        super().__init__(file, protocol=5)
+        drawn = (
+            ()
+            if result.of_profile
+            else (result.highest, max(result.loads, key=lambda load: load.max_von_mises))
+        )
+        self.drawn = {id(contact) for load in drawn for contact in load.contacts}
+
+    def reducer_override(self, value: Any) -> Any:
+        """Pickle calls it with every object."""
+        left_out = _OF_SOLVING.get(type(value).__name__)
+        if type(value).__name__ == "ContactSolution" and id(value) not in self.drawn:
+            left_out = _FIELDS
+        if isinstance(value, SealSolution):
+            left_out = frozenset(vars(value)) - {field.name for field in fields(value)}
+        if left_out is None:
+            return NotImplemented
+        state = {name: kept for name, kept in vars(value).items() if name not in left_out}
+        own = {field.name for field in fields(value)}
+        return copyreg.__newobj__, (type(value),), state | dict.fromkeys(left_out & own)  # type: ignore[attr-defined]
+
+
+class _Known(pickle.Unpickler):
+    """Makes nothing but values of this program."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """Class or function of a name that stands in the file."""
+        if (module, name) == ("builtins", "getattr"):
+            return _method
+        found = super().find_class(module, name)
+        if (module, name) in _KNOWN or (module.split(".")[0] in _OWN and isinstance(found, type)):
+            return found
+        raise pickle.UnpicklingError(f"{module}.{name}")
+
+
+def _method(owner: object, name: str) -> object:
+    if (type(owner).__name__, name) in _METHODS and type(owner).__module__.split(".")[0] in _OWN:
+        return getattr(owner, name)
+    raise pickle.UnpicklingError(f"{type(owner).__name__}.{name}")
+
+
+def store_result(result: SealSolution, path: Path) -> None:
+    """Write a solution into a file that `read_result` reads.
+
+    Parameters
+    ----------
+    result : SealSolution
+    path : pathlib.Path
+    """
+    content = BytesIO()
+    content.write(_HEAD + __version__.encode() + b"\n")
+    _Slim(content, result).dump(result)
+    write_bytes(path, content.getvalue())
+
+
+def read_result(folder: Path) -> SealSolution:
+    """The solution whose files stand in a folder, without what only solving reads.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+
+    Raises
+    ------
+    InputError
+        If there is none, if another version has written it, or if it is damaged.
+    """
+    again = "run the case again"
+    try:
+        with (folder / FILE).open("rb") as file:
+            head = file.readline(100)
+            if not head.startswith(_HEAD):
+                raise InputError.at(f"{folder / FILE}", f"is no result of fem-seal; {again}")
+            version = head.removeprefix(_HEAD).decode(errors="replace").strip()
+            if version != __version__:
+                raise InputError.at(
+                    f"{folder / FILE}", f"was written by fem-seal {version}, this is {__version__}; {again}"
+                )
+            result = _Known(file).load()
+            if not isinstance(result, SealSolution):
+                raise pickle.UnpicklingError(type(result).__name__)
+            return result
+    except FileNotFoundError:
+        raise InputError.at(
+            str(folder), f"holds no {FILE}; `fem-seal run CASE.toml -o DIR` writes one"
+        ) from None
+    except InputError:
+        raise
+    except Exception as error:  # a damaged pickle can raise any
+        raise InputError.at(f"{folder / FILE}", f"cannot be read ({error}); {again}") from error

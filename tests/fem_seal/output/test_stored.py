@@ -1,0 +1,97 @@
+"""A report drawn from a results folder, and folders from which none can be drawn."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from sample_results import gasket_result, rough_result
+
+from fem_seal.cli import app as cli
+from fem_seal.output import stored
+from fem_seal.version import __version__
+
+
+def undated(page: Path) -> str:
+    return re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", page.read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return rough_result().write(tmp_path_factory.mktemp("out"))
+
+
+@pytest.mark.parametrize("result", [rough_result, gasket_result], ids=["elastic", "yields"])
+def test_the_report_of_a_folder_is_that_of_the_run(result, tmp_path):
+    """Without the bodies' compliance, of which all but a small part of a yielding one consists."""
+    _ = result().table  # which is not stored
+    folder = result().write(tmp_path / "out")
+    assert (folder / stored.FILE).stat().st_size < 10e6
+    page = undated(folder / "report.html")
+    assert cli.main(["report", str(folder), "-q", "-o", str(tmp_path / "again.html")]) == cli.DONE
+    assert undated(tmp_path / "again.html") == page
+    (folder / "report.html").unlink()
+    assert cli.main(["report", str(folder)]) == cli.DONE
+    assert undated(folder / "report.html") == page
+
+
+class Harm:
+    """Calls a function when it is read."""
+
+    def __init__(self, call):
+        self.call = call
+
+    def __reduce__(self):
+        return self.call
+
+
+class Writer:
+    """Reads as a method of a result, which writes files."""
+
+    def __reduce__(self):
+        return getattr, (rough_result().seal_mesh, "write")
+
+
+HEAD = f"fem-seal result {__version__}\n".encode()
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (None, "holds no result.bin"),
+        (b"PK\x03\x04", "is no result of fem-seal"),
+        (b"fem-seal result 0.0.1\nabc", f"was written by fem-seal 0.0.1, this is {__version__}"),
+        (HEAD, "cannot be read"),
+        (HEAD + b"\x80\x05garbage", "cannot be read"),
+        (HEAD + pickle.dumps(Harm((os.mkdir, ("harm",)))), "cannot be read"),
+        (HEAD + pickle.dumps(Harm((exec, ("import os; os.mkdir('harm')",)))), "cannot be read"),
+        (HEAD + pickle.dumps(Harm((shutil.copytree, (".", "harm")))), "cannot be read"),
+        (HEAD + pickle.dumps(["no", "result"]), "cannot be read"),
+    ],
+    ids=["none", "foreign", "older", "empty", "damaged", "system", "code", "library", "list"],
+)
+def test_what_is_no_result_is_refused(content, reason, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    if content is not None:
+        Path(stored.FILE).write_bytes(content)
+    assert cli.main(["report", "."]) == cli.WRONG_INPUT
+    error = capsys.readouterr().err
+    assert reason in error and "run" in error
+    assert {path.name for path in tmp_path.iterdir()} <= {stored.FILE}
+
+
+def test_a_method_that_writes_is_not_read(tmp_path):
+    (tmp_path / stored.FILE).write_bytes(HEAD + pickle.dumps(Writer()))
+    with pytest.raises(ValueError, match=r"SealMesh\.write"):
+        stored.read_result(tmp_path)
+
+
+def test_half_a_file_is_refused(folder, tmp_path):
+    whole = (folder / stored.FILE).read_bytes()
+    (tmp_path / stored.FILE).write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ValueError, match="cannot be read"):
+        stored.read_result(tmp_path)
