@@ -65,7 +65,7 @@ class SealResult(SealSolution):
     compression : Compression or None
         Line load and compression of a gasket along its loads, and its springback; None for a valve seat.
     interface_variants : tuple of Comparison
-        Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
+        Elastic and plastic p(u), for `law = "spectrum"` with a hardness, of a run with `full`; else empty.
     uncertainty : LeakInterval or None
         Leak rates with an interval, if the case has a table [uncertainty].
     judgement : SealVerdict or None
@@ -280,6 +280,7 @@ def run(
     *,
     sensitivities: bool | None = None,
     verdict_force: bool | None = None,
+    full: bool = False,
 ) -> SealResult:
     """Solve every load of a case.
 
@@ -296,6 +297,9 @@ def run(
         Whether to look for the force with which the verdict passes, of a case with a target leak rate: unless given,
         not where a body yields. It takes some ten contacts, and two to four times the mesh, its error and the samples
         of the case; where a body yields each of these is a whole path of loads.
+    full : bool
+        Whether to calculate what only the full report and `all_columns` show: the leak rates by the theory that the
+        case does not use, and of ``law = "spectrum"`` those with elastic and plastic p(u).
 
     Returns
     -------
@@ -331,7 +335,7 @@ def run(
     """
     case = case_of(case)
     with returned_memory(), shown_in(case.display):
-        solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force)
+        solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force, full=full)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 

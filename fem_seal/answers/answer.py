@@ -130,6 +130,8 @@ class Request:
     clock : Clock
     sensitivities, verdict_force : bool or None
         Whether they are asked for, see `fem_seal.run`; None leaves it to the answer.
+    full : bool
+        Whether everything that the full report shows is asked for.
     steps : OptionalSteps
         For parts of an answer that may fail by themselves.
     answers : dict
@@ -146,6 +148,7 @@ class Request:
     clock: Clock
     sensitivities: bool | None = None
     verdict_force: bool | None = None
+    full: bool = False
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
     solve: Callable[..., SolvedSeal] | None = None

@@ -99,6 +99,7 @@ def solve(
     *,
     sensitivities: bool | None = None,
     verdict_force: bool | None = None,
+    full: bool = False,
     answers: Sequence[Answer[Any]] | None = None,
 ) -> SealSolution:
     """Solve every load of a case and answer all that is asked of it; `fem_seal.run` says what can go wrong.
@@ -110,14 +111,29 @@ def solve(
         Called with a status message before each step.
     sensitivities, verdict_force : bool, optional
         Whether they are asked for; see `fem_seal.run`.
+    full : bool
+        Whether those are asked for, too, that only the full report shows.
     answers : sequence of Answer, optional
-        In their order; all of them unless given.
+        In their order; all that are asked for unless given.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
     seal = _solved(case, clock, steps, told=progress is not None)
     solver = LoadSolver(seal.problem, seal.model)
-    request = Request(solver, clock, sensitivities, verdict_force, steps, solve=solve)
-    return _answered(seal, request, ANSWERS if answers is None else answers)
+    request = Request(solver, clock, sensitivities, verdict_force, full, steps, solve=solve)
+    return _answered(seal, request, _shown_answers(seal, full) if answers is None else answers)
+
+
+def _shown_answers(seal: SolvedSeal, full: bool) -> Sequence[Answer[Any]]:
+    """All answers but those that only the full report shows, unless that is asked for.
+
+    The other theory may change a verdict, and beside the paper's theory the corrected one has its column.
+    """
+    surface = seal.problem.surface
+    by_paper = surface is not None and surface.theory == "paper"
+    left_out = set() if full else {INTERFACE_VARIANTS.name}
+    if not (full or by_paper or seal.case.requirement is not None):
+        left_out.add(OWN_CONTACTS.name)
+    return [answer for answer in ANSWERS if answer.name not in left_out]
 
 
 # What is asked of given contacts: all that needs no bodies.

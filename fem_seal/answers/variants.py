@@ -79,9 +79,9 @@ def _compute(seal: SolvedSeal, request: Request) -> OtherContacts:
         load = settled(load, what)
         if load.leak is None:
             return None
-        if number != highest:
+        if number != highest or not request.full:
             return load
-        # of what yielding makes of it one load is told
+        # of what yielding makes of it the full report tells one load
         compared = {
             other: settled(load.scenarios[other], f"{what} of {words.asperities}")
             for other, words in SCENARIOS.items()
@@ -97,7 +97,7 @@ def _compute(seal: SolvedSeal, request: Request) -> OtherContacts:
         for scenario in with_own_contacts(seal.problem)
     }
     same_contact = {}
-    for name, loads in found.items():
+    for name, loads in found.items() if request.full else ():
         other = loads[highest]
         leak = None if other is None else replace(seal.loads[highest], rough=other.rough).leak
         if leak is not None:

@@ -137,7 +137,8 @@ def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
         ``standard_tests`` (rows of standard_tests.csv) with ``standard_verdict``, ``set_pressure`` (of a relief valve,
         with rows of set_pressure.csv), null without them, ``levers`` (the
         sensitivities, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
-        load that leaks), ``theories`` (result of the other theory, and why it differs), ``interface_variants``,
+        load that leaks), ``theories`` (result of the other theory, and why it differs) and ``interface_variants``,
+        which are null where they are not calculated,
         ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load,
         and the factor that a measurement is expected to leave),
         ``warnings``, ``wall_times_s``, ``sources``.

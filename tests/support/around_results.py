@@ -19,7 +19,7 @@ def _oval(amplitude: str, waves: int = 2) -> dict[str, Any]:
 @cache
 def oval_result() -> SealResult:
     """Three loads of a rough ball on an oval cone, with water."""
-    return fem_seal.run(case(form=_oval("1 um")))
+    return fem_seal.run(case(form=_oval("1 um")), full=True)
 
 
 @cache

@@ -89,7 +89,6 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
         "answers.accuracy.on_coarser_mesh": None,
         "answers.accuracy.discretisation_error": NOT_ESTIMATED,
         "answers.accuracy.far_field": (),
-        "answers.variants.interface_variants": (),
         "answers.form.form_answers": None,
         **({} if interval else {"answers.uncertainty.leak_interval": None}),
     }
@@ -102,7 +101,7 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
 @cache
 def rough_result() -> SealResult:
     """Three loads with yielding asperities and water."""
-    return fem_seal.run(case())
+    return fem_seal.run(case(), full=True)
 
 
 @cache

@@ -163,8 +163,8 @@ def _rates_of(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: uni
 
 SHOWN = Shown(
     summary=lambda result: {
-        "theories": theories_in_words(result),
-        "interface_variants": [by_scenario(asdict(variant)) for variant in result.interface_variants],
+        "theories": theories_in_words(result) or None,
+        "interface_variants": [by_scenario(asdict(variant)) for variant in result.interface_variants] or None,
     },
     section=lambda result: worded_section("theories", theories_in_words(result)),
     words={"variants": variant_table},

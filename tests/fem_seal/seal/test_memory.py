@@ -477,7 +477,7 @@ def test_says_nothing_of_profiles_from_elsewhere() -> None:
 
 @cache
 def result() -> SealResult:
-    return fem_seal.run(steps(("300 N", "2 kN"), "3 kN"))
+    return fem_seal.run(steps(("300 N", "2 kN"), "3 kN"), full=True)
 
 
 def test_a_run_knows_it_everywhere() -> None:

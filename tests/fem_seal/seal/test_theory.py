@@ -51,7 +51,7 @@ OTHER = {"paper": "corrected", "corrected": "paper"}
 @lru_cache(maxsize=12)
 def run_by(theory, name, **changes):
     """A run of an example by a theory; tests share it."""
-    return fem_seal.run(example(name, leak__theory=theory, **changes))
+    return fem_seal.run(example(name, leak__theory=theory, **changes), full=True)
 
 
 @pytest.mark.slow
@@ -123,7 +123,7 @@ def test_what_belongs_to_the_papers_theory_is_refused_elsewhere_in_a_sentence(ke
 
 def test_the_headline_of_the_papers_theory_has_the_corrected_one_beside_it():
     paper, corrected = (
-        fem_seal.run(example("ball_cone", load__fluid_pressure="20 bar", leak__theory=theory))
+        fem_seal.run(example("ball_cone", load__fluid_pressure="20 bar", leak__theory=theory), full=True)
         for theory in ("paper", "corrected")
     )
     assert "By the corrected theory 66 to 86 ml/min leaks at 20 bar." in headline(paper)
@@ -225,7 +225,7 @@ def test_run_study_and_live_page_have_the_same_number(name):
     pressure = {"ball_cone": "10 bar", "helium": "1 bar"}[name]
     case = example(name, load__fluid_pressure=pressure, **CORRECTED)
     columns = ("peak_pressure_Pa", "leak_rate_m3_per_s")
-    run = leak_rows(fem_seal.run(case))[0]
+    run = leak_rows(fem_seal.run(case, full=True))[0]
     live = Session(case).answer({}).load.values
     # meshes differ, see test_fem_seal_studies.py and test_fem_seal_explore.py
     for found in (evaluate_design(case, columns).values, live):
