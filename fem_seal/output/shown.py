@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import filled, prose
+from fem_seal.seal.findings import Level
 from fem_seal.seal.scenarios import BESIDE
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
+    from fem_seal.units import Display
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,58 @@ def worded_section(
 
 
 @dataclass(frozen=True)
+class Tile:
+    """A number with its name, as the report and the live page show it at the top.
+
+    Parameters
+    ----------
+    name, value : str
+    remark : str
+        At most twelve words.
+    rank : int
+        Tiles with a small rank come first; the page has room for six.
+    level : Level
+        How far the number can be trusted.
+    """
+
+    name: str
+    value: str
+    remark: str = ""
+    rank: int = 9
+    level: Level = Level.VALID
+
+
+@dataclass(frozen=True)
+class AnswerPage:
+    """What an answer says of a result to report, terminal and live page; everything is optional.
+
+    Parameters
+    ----------
+    first : sequence of str
+        Below the verdict, at most one line.
+    tiles : sequence of Tile
+    why : sequence of str
+        Reasons for the result, at most two.
+    decides : sequence of str
+        What decides the result or would change it, at most one.
+    picture : str
+        Name of the picture that may stand on the short page.
+    section : Section, optional
+        On the full page.
+    details : sequence of str
+        On the terminal, where details are asked for.
+    """
+
+    first: Sequence[str] = ()
+    tiles: Sequence[Tile] = ()
+    why: Sequence[str] = ()
+    decides: Sequence[str] = ()
+    picture: str = ""
+    section: Section | None = None
+    details: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
 class Shown:
     """Contributions of an answer to the files of a result and to the terminal; each is optional.
 
@@ -88,6 +142,8 @@ class Shown:
         Its pictures, as far as the result has them.
     lines : callable
         Lines on the terminal.
+    page : callable
+        What it says of a result in the units of a display.
     """
 
     asked: Callable[[SealSolution], object] = lambda result: True
@@ -98,6 +154,11 @@ class Shown:
     words: Mapping[str, Callable[[SealSolution], Any]] = field(default_factory=dict)
     pictures: Callable[[SealSolution], Iterable[Picture | None]] = lambda result: ()
     lines: Callable[[SealSolution], Sequence[str]] = lambda result: ()
+    page: Callable[[SealSolution, Display], AnswerPage] = lambda result, display: AnswerPage()
+
+    def page_of(self, result: SealSolution, display: Display) -> AnswerPage:
+        """What it says of a result; nothing without an answer."""
+        return self.page(result, display) if self.asked(result) else AnswerPage()
 
     def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
         """Keys of summary.json with their values, or what stands there without an answer."""
