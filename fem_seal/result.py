@@ -133,7 +133,7 @@ class SealResult(SealSolution):
 
         return leak_table(self, every=True)
 
-    def write(self, folder: str | os.PathLike[str], *, all_columns: bool = False) -> Path:
+    def write(self, folder: str | os.PathLike[str], *, full: bool = False, all_columns: bool = False) -> Path:
         """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
 
         They take the places of those of an earlier run together; a file ``UNFINISHED.txt`` stands in the folder
@@ -145,6 +145,8 @@ class SealResult(SealSolution):
         ----------
         folder : path
             Made if it does not exist.
+        full : bool
+            Whether the report has all numbers, pictures and tables.
         all_columns : bool
             Whether leak.csv and summary.json have every column, as `all_columns` has.
 
@@ -161,17 +163,19 @@ class SealResult(SealSolution):
         from fem_seal.output.folders import folder_lock
 
         with folder_lock(Path(folder)), returned_memory(), shown_in(self.case.display):
-            for failure in write(self, Path(folder), every=all_columns):
+            for failure in write(self, Path(folder), full=full, every=all_columns):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
 
-    def report(self, path: str | os.PathLike[str]) -> Path:
+    def report(self, path: str | os.PathLike[str], *, full: bool = False) -> Path:
         """Write the report alone: one HTML page that needs no other file.
 
         Parameters
         ----------
         path : path
             Of the file, such as ``"report.html"``.
+        full : bool
+            With all numbers, pictures and tables; otherwise what decides, on a page that is read in some minutes.
 
         Raises
         ------
@@ -181,7 +185,7 @@ class SealResult(SealSolution):
         from fem_seal.output.report.page import write_report
 
         with returned_memory(), shown_in(self.case.display):
-            return write_report(self, Path(path))
+            return write_report(self, Path(path), full=full)
 
     @overload
     def plot(self, what: Figure | None = None, *, figure: Figure | None = None) -> Figure: ...

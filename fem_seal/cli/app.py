@@ -148,6 +148,7 @@ def run(
     case_file: terminal.CaseFile,
     output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
     sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
+    full: Annotated[bool, terminal.option("run", "full")] = False,
     details: terminal.Details = False,
     all_columns: terminal.AllColumns = False,
     quiet: terminal.Quiet = False,
@@ -163,7 +164,7 @@ def run(
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = seal_result.run(case, progress=progress, sensitivities=sensitivities, full=all_columns)
         progress("writing results")
-        failures = files.write(result, folder, every=all_columns)
+        failures = files.write(result, folder, every=all_columns, full=full)
     _show(result, folder, failures, details=details, every=all_columns, quiet=quiet, json=json)
 
 

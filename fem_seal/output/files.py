@@ -38,7 +38,7 @@ from fem_seal.units import attributes
 from fem_seal.version import __version__
 
 
-def write(result: SealSolution, folder: Path, *, every: bool = False) -> tuple[str, ...]:
+def write(result: SealSolution, folder: Path, *, full: bool = False, every: bool = False) -> tuple[str, ...]:
     """Write tables, summary, VTK files, mesh and report into a folder.
 
     They replace the files of an earlier run together, or none is written; everything else in the folder is left alone.
@@ -49,6 +49,8 @@ def write(result: SealSolution, folder: Path, *, every: bool = False) -> tuple[s
     result : SealSolution
     folder : pathlib.Path
         Made if it does not exist.
+    full : bool
+        Whether the report has all numbers, pictures and tables.
     every : bool
         Whether leak.csv and summary.json have all columns, also those that do not belong to the case.
 
@@ -68,7 +70,10 @@ def write(result: SealSolution, folder: Path, *, every: bool = False) -> tuple[s
         write_leak_csv(result, draft / "leak.csv", every=every)
         write_profile_csv(result, draft / "profile.csv")
         # a full disc affects the other files as well
-        for name, write_one in _FILES.items():
+        reports = {
+            "report.html": lambda result, folder: write_report(result, folder / "report.html", full=full)
+        }
+        for name, write_one in (_FILES | reports).items():
             if result.of_profile and name != "report.html":
                 continue  # has neither mesh nor fields
             with steps.attempt(name, but=OSError):
@@ -103,7 +108,6 @@ def _vtk(result: SealSolution, folder: Path) -> None:
 _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
     "VTK files": _vtk,
-    "report.html": lambda result, folder: write_report(result, folder / "report.html"),
 }
 
 

@@ -16,8 +16,9 @@ from fem_seal.files import own_tables
 _NAMED = "FEM_SEAL_BROWSER"
 # A report takes some two seconds; a browser that starts for the first time a few more [s].
 _PATIENCE = 120.0
-# Sizes of one page, the first at which everything fits; pages of a PDF file.
-_ZOOMS, _PAGES = (1.0, 0.9, 0.8, 0.7, 0.6), re.compile(rb"/Type\s*/Page\b")
+# Parts and sizes of one page, the first at which everything fits, with letters of 7 pt and more; pages of a PDF file.
+_FITS = [(cut, zoom) for cut in ("", " cut", " cut more") for zoom in (1.0, 0.95)]
+_PAGES = re.compile(rb"/Type\s*/Page\b")
 
 
 def find_browser() -> str | None:
@@ -59,9 +60,9 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None, *, one_page: bo
     with TemporaryDirectory(prefix="fem-seal-") as folder:
         draft, profile = Path(folder) / "report.pdf", Path(folder) / "profile"
         messages = "" if one_page else _printed(browser, page, draft, profile)
-        for zoom in _ZOOMS if one_page else ():
+        for cut, zoom in _FITS if one_page else ():
             shrunk = Path(folder) / "page.html"
-            how = f'<html class="one-page" style="zoom: {zoom}" '
+            how = f'<html class="one-page{cut}" style="zoom: {zoom}" '
             shrunk.write_text(page.read_text(encoding="utf-8").replace("<html ", how, 1), encoding="utf-8")
             messages = _printed(browser, shrunk, draft, profile)
             if not draft.is_file() or len(_PAGES.findall(draft.read_bytes())) == 1:

@@ -12,6 +12,7 @@ from fem_seal.seal.findings import Level
 from fem_seal.seal.scenarios import BESIDE
 
 if TYPE_CHECKING:
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
@@ -88,6 +89,17 @@ class Tile:
     remark: str = ""
     rank: int = 9
     level: Level = Level.VALID
+
+
+def decisive(result: SealSolution) -> CaseLoad:
+    """The load that decides the verdict; without a requirement that with the highest fluid pressure.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = result.judgement
+    return result.highest if found is None or found.number is None else result.loads[found.number]
 
 
 @dataclass(frozen=True)

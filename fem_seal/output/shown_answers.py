@@ -3,9 +3,11 @@
 from fem_seal.output.answers import (
     bolts,
     compression,
+    contact,
     error_shares,
     form,
     lands,
+    leak,
     particles,
     sensitivities,
     standard_tests,
@@ -18,6 +20,8 @@ from fem_seal.output.shown import Shown
 
 # In the order on the terminal.
 _PAGES = (
+    contact,
+    leak,
     compression,
     lands,
     target,

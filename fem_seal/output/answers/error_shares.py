@@ -60,6 +60,22 @@ def error_sentence(result: SealSolution) -> str:
     )
 
 
+def shares_in_brief(result: SealSolution) -> str:
+    """Shares of the width of the interval of the highest load; empty where it is narrow.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load, found = result.highest, _of_highest_load(result)
+    if found is None or found.factor < _NARROW or len(found.of_width) < 2:
+        return ""
+    told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
+    shares = ", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in told)
+    at = load_name(load, result.loads)
+    return phrase("notes.error_shares", "interval", load=at, factor=found.factor, shares=shares)
+
+
 def largest_share(result: SealSolution, number: int) -> tuple[str, str] | None:
     """The largest source of error of a load with its share of the interval; None where the interval is narrow.
 

@@ -14,11 +14,11 @@ from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.answers.target import TARGET
 from fem_seal.loads import LARGEST_TURNING
 from fem_seal.output.answers import verdict
-from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
+from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief, shares_in_brief
 from fem_seal.output.answers.form import form_in_brief
 from fem_seal.output.answers.sensitivities import in_words
 from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
-from fem_seal.output.answers.target import OPENS, target_in_brief
+from fem_seal.output.answers.target import OPENS, TARGET_FORCE, target_in_brief, valve_facts
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import (
     MOST_COLUMNS,
@@ -30,7 +30,8 @@ from fem_seal.output.columns import (
 )
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
-from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
+from fem_seal.output.report.words import contact_alone
+from fem_seal.output.shown import Tile, decisive
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
 from fem_seal.units import leak_range_text, shared_flow_unit
@@ -42,17 +43,6 @@ if TYPE_CHECKING:
 
 # Rows of the table, those of one that is shortened, and digits.
 _ROWS, _FEW_ROWS, _DIGITS = 8, 4, 3
-
-
-def decisive(result: SealSolution) -> CaseLoad:
-    """The load that decides the verdict; without a requirement that with the highest fluid pressure.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    found = result.judgement
-    return result.highest if found is None or found.number is None else result.loads[found.number]
 
 
 def first_line(result: SealSolution) -> str:
@@ -234,22 +224,40 @@ _ORDER: dict[Verdict | None, Sequence[str]] = {
 }
 
 
-def three_numbers(result: SealSolution) -> list[Fact]:
-    """Leak rate, opening or peak pressure, and what decides, at the decisive load.
+def tiles(result: SealSolution) -> Iterator[Tile]:
+    """Opening, forces, verdict and main uncertainty at the decisive load.
 
     Parameters
     ----------
     result : SealSolution
     """
     load = decisive(result)
-    first, *others = facts(result, load)
-    second = next((one for name in (OPENS, PEAK) for one in others if one.name == name), first)
-    share, margin = largest_share(result, result.loads.index(load)), verdict.verdict_facts(result)[:1]
-    third = (
-        [Fact(phrase("brief.fact", "share"), share[1], share[0])] if share else [Fact(*one) for one in margin]
+    contact, leak = load.validity.of_contact.level, load.validity.level
+    ranks = {OPENS: (30, contact), TARGET_FORCE: (45, leak), "Force for a pass": (40, contact)}
+    for name, value, remark in valve_facts(result, load):
+        rank, level = ranks[name]
+        yield Tile(name, value, remark, rank, level)
+    for name, value, remark in verdict.verdict_facts(result):
+        yield Tile(name, value, remark, {"Margin": 10, "Passes": 15}.get(name, 85), leak)
+    if share := largest_share(result, result.loads.index(load)):
+        yield Tile(phrase("brief.fact", "share"), share[1], share[0], 35)
+
+
+def decides(result: SealSolution) -> list[str]:
+    """What decides the leak rate, the measurement and the change that help most.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load = decisive(result)
+    told = (
+        shares_in_brief(result),
+        measurement_in_brief(result, result.loads.index(load)),
+        _lever_in_words(result, load),
+        verdict.next_class_of(result),
     )
-    rest = [one for one in others if one != second]
-    return list(dict.fromkeys([first, second, *third, *rest]))[:3]
+    return list(filter(None, told))
 
 
 def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable, int]:

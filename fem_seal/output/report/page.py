@@ -39,7 +39,7 @@ from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import brief, words
-from fem_seal.output.shown import worded_table
+from fem_seal.output.shown import AnswerPage, decisive, worded_table
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
 from fem_seal.seal.load_result import MissingLoad, in_order, load_name
@@ -52,38 +52,56 @@ if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
 
 
-def write_report(result: SealSolution, path: Path) -> Path:
+# So much stands on the short page: tiles, reasons, warnings that are not folded, pictures beside contact, leak, case.
+_TILES, _WHY, _WARNINGS, _BESIDE = 6, 5, 5, 2
+# Pictures that may stand there, by rank.
+_RANK = ("seal", "unrolled", "set_pressure", "particles", "compression", "memory", "imprint", "profiles")
+
+
+def write_report(result: SealSolution, path: Path, *, full: bool = False) -> Path:
     """Write the report, atomically.
 
     Parameters
     ----------
     result : SealSolution
     path : pathlib.Path
+    full : bool
+        See `report`.
     """
-    return write_text(path, report(result))
+    return write_text(path, report(result, full=full))
 
 
-def report(result: SealSolution) -> str:
+def report(result: SealSolution, *, full: bool = False) -> str:
     """The report as one HTML page without scripts and without files from elsewhere.
 
     Parameters
     ----------
     result : SealSolution
+    full : bool
+        With all numbers, pictures and tables; otherwise what decides, on a page that is read in some minutes.
     """
     derived = derive_beside(result)
-    sizes = profile_sizes(result, derived)
-    return template("report.html.j2").render(
+    drawn = pictures(result, derived) if full else short_pictures(result, derived)
+    shown = ("leak", "memory") if full else _shown_beside([picture.name for picture in drawn])
+    return template("report/page.html.j2").render(
         title=result.case.title or "fem-seal",
         in_css=_escape_for_css,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        picture={picture.name: _keep_units_whole(picture) for picture in pictures(result, derived, sizes)},
-        sources=sources(result),
+        picture={picture.name: _keep_units_whole(picture) for picture in drawn},
+        short_pictures=shown,
+        sources=list(sources(result)),
         result=result,
+        full=full,
+        most_warnings=_WARNINGS,
         **_texts_of_case(result),
-        **_keep_units_whole(_words(result, derived, sizes)),
+        **_keep_units_whole((_of_full(result, derived) if full else {}) | _words(result, full=full)),
         words=prose(),
     )
+
+
+def _shown_beside(names: Sequence[str]) -> list[str]:
+    return [name for name in ("leak", *_RANK) if name in names]
 
 
 def _keep_units_whole(said: Any) -> Any:
@@ -113,7 +131,41 @@ def _escape_for_css(text: str) -> str:
     return "".join(one if one.isalnum() or one in " ,.-" else f"\\{ord(one):x} " for one in text)
 
 
-def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> list[Picture]:
+def short_pictures(result: SealSolution, derived: Derived) -> list[Picture]:
+    """The pictures of the short page: case, contact, leak, and two more at most.
+
+    Parameters
+    ----------
+    result : SealSolution
+    derived : Derived
+        Closed forms of the case.
+    """
+    with style():
+        drawn = [sketch(result)]
+        if not result.of_profile:
+            drawn.append(contact_picture(result, decisive(result)))
+        if len(result.loads) > 1:
+            drawn += filter(None, [leak_picture(result)])
+        beside = [*filter(None, _drawn_beside(result, derived))]
+        drawn += sorted(beside, key=lambda picture: _RANK.index(picture.name))[:_BESIDE]
+    return drawn
+
+
+def _drawn_beside(result: SealSolution, derived: Derived) -> Iterator[Picture | None]:
+    """Pictures that answer what the case asks, as far as there are any."""
+    around = [one for one in _pictures_around(result) if one is not None and one.name in _RANK]
+    yield from around[-1:]
+    for shown in shown_answers.SHOWN:
+        if shown.asked(result):
+            yield from (one for one in shown.pictures(result) if one is not None and one.name in _RANK)
+    yield memory_picture(result)
+    if result.of_profile:
+        yield profile_picture(result, derived)
+    elif result.unloaded is not None:
+        yield imprint_picture(result)
+
+
+def pictures(result: SealSolution, derived: Derived) -> list[Picture]:
     """All pictures of a result.
 
     Parameters
@@ -121,9 +173,8 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
     result : SealSolution
     derived : Derived
         Closed forms of the case.
-    sizes : mapping
-        From `fem_seal.answers.closed_forms.profile_sizes`.
     """
+    sizes = profile_sizes(result, derived)
     with style():
         return [sketch(result), *filter(None, _draw_pictures(result, derived, sizes))]
 
@@ -133,7 +184,7 @@ def _draw_pictures(
 ) -> Iterator[Picture | None]:
     top = result.highest
     if not result.of_profile:
-        yield contact_picture(result, brief.decisive(result))
+        yield contact_picture(result, decisive(result))
         yield mesh_picture(result, top)
     yield profile_picture(result, derived)
     yield size_picture(result, sizes)
@@ -214,25 +265,44 @@ def _texts_of_case(result: SealSolution) -> dict[str, Any]:
     }
 
 
-def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
-    load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.every_load)
-    caption = phrase("brief.table", "some" if left_out else "all", left_out=left_out)
-    return {
-        "given": words.given_in_words(result),
-        "first_lines": brief.lines_in_brief(result),
-        "three_numbers": brief.three_numbers(result),
+def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
+    """What stands on the short page, and at the top of the full one."""
+    display, (in_brief, left_out) = result.case.display, brief.loads_in_brief(result.case, result.every_load)
+    pages = [shown.page_of(result, display) for shown in shown_answers.SHOWN]
+    pages.append(AnswerPage(tiles=[*brief.tiles(result)]))
+    more = phrase("brief.table", "more", left_out=left_out) if left_out else ""
+    allowed = verdict.allowed_in_words(result.loads)
+    first, *others = brief.lines_in_brief(result)
+    lines = [first, *(line for page in pages for line in page.first), *others]
+    tiles = sorted((tile for page in pages for tile in page.tiles), key=lambda tile: tile.rank)
+    why = [reason for page in pages for reason in page.why]
+    told = {
+        "first_lines": lines,
+        "verdict": verdict.worst_verdict(result),
+        "shown_tiles": tiles if full else tiles[:_TILES],
         "loads_in_brief": in_brief,
-        "brief_caption": "; ".join(filter(None, [caption, verdict.allowed_in_words(result.loads)])),
-        "assumed": [*words.held_in_words(result.case, load), *brief.remarks_in_brief(result)],
-        "headline": words.headline(result),
-        "facts": words.facts(result),
-        "reasons": [] if result.of_profile else words.reasons(result, derived),
+        "brief_caption": "; ".join(filter(None, (allowed, *marks_of(result.loads), more))),
+        "why": why if full else why[:_WHY],
+        "decides": [line for line in brief.decides(result) if line not in lines],
+        "warnings": list(result.warnings) if full else brief.remarks_in_brief(result),
+        "given": words.given_in_words(result),
+    }
+    definitions = prose()["definitions"]
+    seen = " ".join([*in_brief.headings, *(tile.name for tile in told["shown_tiles"]), *lines, *told["why"]])
+    return told | {
+        "definitions": definitions if full else [one for one in definitions if one["sign"] in seen]
+    }
+
+
+def _of_full(result: SealSolution, derived: Derived) -> dict[str, Any]:
+    """What the full page has beside this."""
+    return {
         "far_field": words.far_field_sentence(result),
         "loads": load_table(result),
         "marks": marks_in_words(result),
         "validity": validity_table(result),
         "comparison_note": comparison_note(result),
-        "comparison": comparison_table(result, sizes),
+        "comparison": comparison_table(result, profile_sizes(result, derived)),
         "yielding": yielding_table(result),
         "sections": list(
             filter(None, (shown.section(result) for shown in shown_answers.SHOWN if shown.asked(result)))

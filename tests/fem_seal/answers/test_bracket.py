@@ -84,7 +84,7 @@ def test_elastic_asperities_have_one_reading():
     assert load.leak_range is None and not load.others and load.scenario(Reading.ELASTIC) is load
     (row,) = leak_rows(single_result())
     assert not row.keys() & {LOW, HIGH, CONSERVED, CAPPED}
-    text = report(single_result())
+    text = report(single_result(), full=True)
     assert "C_pl" not in headline(single_result()) and "changed only where it touches" not in text
     for nothing in smooth_result().loads:
         assert nothing.leak is nothing.leak_range is None and not nothing.scenarios

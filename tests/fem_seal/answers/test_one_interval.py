@@ -95,7 +95,7 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
         assert f"{leak_range_text(rate, load.leak_digits, beside=others)} at " in headline(result)
     else:
         assert "no leak rate can be claimed" in headline(result)
-    assert tile.value in report(result).replace("\xa0", " ")
+    assert tile.value in report(result, full=True).replace("\xa0", " ")
 
 
 def test_what_widens_the_interval_is_said_beside_it():

@@ -244,7 +244,7 @@ def test_bodies_from_files_are_named_with_what_was_read(tmp_path, capsys) -> Non
     shown = capsys.readouterr().out
     assert "  closure   r 0 to 17 mm, z 0 to 25 mm\n" in shown
     assert "  seat      seat.dxf, layer ring, unit 25.4 mm, r 10 to 40 mm, z 0 to 30 mm\n" in shown
-    page = report(run(case)).replace("\xa0", " ")
+    page = report(run(case), full=True).replace("\xa0", " ")
     assert '<th scope="row">seat, file</th><td>seat.dxf, layer ring, unit 25.4 mm</td>' in page
     assert '<th scope="row">seat, extent</th><td>r 10 to 40 mm, z 0 to 30 mm</td>' in page
 

@@ -53,7 +53,7 @@ def test_a_round_seal_has_none_of_it():
     with style():
         assert [make(result) for make in MAKERS] == [None, None, None]
     assert around_in_words(result) == []
-    page = report(result)
+    page = report(result, full=True)
     assert 'id="around"' not in page and "around.csv" not in page
 
 
@@ -70,7 +70,7 @@ def test_scratches_alone_leave_nothing_to_draw_around_the_axis():
 
 @pytest.mark.slow
 def test_pictures_stand_on_the_page_with_their_words():
-    page = report(oval_result()).replace("\xa0", " ")
+    page = report(oval_result(), full=True).replace("\xa0", " ")
     section = page[page.index('<section id="around">') :]
     section = section[: section.index("</section>")]
     assert {name for name in NAMES if f'id="picture-{name}"' in section} == NAMES
@@ -293,7 +293,8 @@ def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
         low, high = load.around.scratches
         rates.append(load.leak.leak_rate - (high - low))
     (shown,) = re.findall(
-        r"the lower one gives ([\d.]+) (?:to ([\d.]+) )?ml/min", report(result).replace("\xa0", " ")
+        r"the lower one gives ([\d.]+) (?:to ([\d.]+) )?ml/min",
+        report(result, full=True).replace("\xa0", " "),
     )
     told = sorted(float(text) for text in shown if text)
     assert [told[0], told[-1]] == pytest.approx([rate * 60e6 for rate in sorted(rates)], rel=0.051)

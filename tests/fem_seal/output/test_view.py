@@ -204,12 +204,12 @@ def test_where_vtk_dies_the_program_lives(folder, tmp_path, call, monkeypatch):
         pytest.skip("OSMesa is installed here")
     assert code == 1 and "VTK cannot draw on this machine" in err
     assert not (tmp_path / "x.png").exists()
-    text = report(oval_result())
+    text = report(oval_result(), full=True)
     assert "There is no 3D picture of the seal" in text and 'id="picture-seal"' not in text
 
 
 def test_report_shows_the_seal(draws):
-    text = report(oval_result())
+    text = report(oval_result(), full=True)
     assert 'id="picture-seal"' in text and "There is no 3D picture of the seal" not in text
     with style():
         picture = three_d.seal_picture(oval_result(), three_d.drawn_in_space(oval_result()))
@@ -263,4 +263,4 @@ def test_a_full_disc_costs_the_picture_and_not_the_report(monkeypatch):
         raise OutputError("contact_000.vtu: cannot be written (no space left on device)")
 
     monkeypatch.setattr(three_d, "write_for_view", full)
-    assert "There is no 3D picture of the seal" in report(oval_result())
+    assert "There is no 3D picture of the seal" in report(oval_result(), full=True)

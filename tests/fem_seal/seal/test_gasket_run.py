@@ -144,7 +144,7 @@ def test_contacts_and_compression_are_written(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_report_and_warnings_speak_of_gasket_and_flange() -> None:
     result = elastic()
-    page = report(result)
+    page = report(result, full=True)
     assert "Compression of the gasket" in page and "springs back" in page
     assert "flange, radius" in page or "flange, diameter" in page
     assert "seat, outer wall" not in page and "Rollers" not in page

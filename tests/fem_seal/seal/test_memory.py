@@ -418,7 +418,7 @@ def test_a_run_of_a_path_says_that_it_remembers() -> None:
     with style():
         picture = memory_picture(loop())
     assert picture is not None and ">after the loads before it<" in picture.svg.decode()
-    assert "asperities that yielded under a larger load before" in report(loop())
+    assert "asperities that yielded under a larger load before" in report(loop(), full=True)
     # the table's row of each load is its own
     np.testing.assert_array_equal(
         loop().table.leak_rate_capped_m3_per_s,
@@ -497,7 +497,7 @@ def test_the_report_shows_the_loop_and_names_the_load() -> None:
     text = picture.svg.decode()
     assert ">after a load of 3000 N<" in text and ">first loading<" in text
     assert "a load of 3000 N" in words.headline(result())
-    page = report(result())
+    page = report(result(), full=True)
     assert 'id="picture-memory"' in page
     assert "largest earlier load" in page
     first = tuple(first_loading(load) for load in result().loads)

@@ -78,7 +78,7 @@ def test_compression_is_half_of_each() -> None:
 
 @pytest.mark.slow
 def test_the_report_tells_both_faces_apart() -> None:
-    page = report(both())
+    page = report(both(), full=True)
     assert "Two different flange faces" in page and "of the leak pass the upper flange face" in page
     assert "lower flange:" in page
 
