@@ -16,6 +16,7 @@ from fem_seal.output.report.words import (
     _two_numbers,
     _yielding_factor,
     has_finish,
+    leakage_text,
     uncertain_in_words,
     usual_rate_of,
 )
@@ -52,6 +53,10 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
     best = met[0] if met else str(classes[0]) if classes else "none stated"
     remark = say(display, "leak", "classes", size=size, none_stated=not classes)
     yield Tile(f"Leakage class, {short}", best, remark, 20 if result.judgement is None else 55, level)
+    if load.leak.leak_rate > 0:
+        _, *others = leakage_text(load, volume).split(" = ")
+        if others:
+            yield Tile("In other units", others[0], " = ".join(others[1:]), 95, level)
     if load.critical_separation is not None:
         value, remark = _narrowest_point(load)
         yield Tile("Narrowest point of the leak path", value, "u_c at the peak pressure", 80, level)

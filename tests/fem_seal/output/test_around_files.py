@@ -182,7 +182,7 @@ def test_series_and_stale_files(tmp_path):
 
 def test_a_results_folder_has_the_files_until_a_round_seal_takes_it(tmp_path, monkeypatch):
     # the files on their own; reports of oval seals are drawn elsewhere
-    monkeypatch.setattr(files, "write_report", lambda result, path: path.write_text("drawn"))
+    monkeypatch.setattr(files, "write_report", lambda result, path, **how: path.write_text("drawn"))
     names = {"around.csv", "around.pvd", "around_000.vtp"}
     assert write(oval_result(), tmp_path) == ()
     assert names <= {path.name for path in tmp_path.iterdir()}

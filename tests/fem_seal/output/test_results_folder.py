@@ -199,7 +199,7 @@ def test_a_full_disc_leaves_the_old_results(two_runs, tmp_path, monkeypatch):
     folder = tmp_path / "out"
     shutil.copytree(two_runs[0], folder)
 
-    def full(result, path, *_):
+    def full(result, path, **how):
         raise OutputError(f"{path}: cannot be written (no space left on device)")
 
     monkeypatch.setattr(files, "write_report", full)
