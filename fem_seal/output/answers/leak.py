@@ -54,7 +54,8 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
     remark = say(display, "leak", "classes", size=size, none_stated=not classes)
     yield Tile(f"Leakage class, {short}", best, remark, 20 if result.judgement is None else 55, level)
     if load.leak.leak_rate > 0:
-        _, *others = leakage_text(load, volume).split(" = ")
+        units = leakage_text(load, volume).split(" = ")
+        others = [amount for amount in units if amount.split(" (")[0] != text]
         if others:
             yield Tile("In other units", others[0], " = ".join(others[1:]), 95, level)
     if load.critical_separation is not None:
