@@ -276,21 +276,21 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
     lines = [first, *(line for page in pages for line in page.first), *others]
     tiles = sorted((tile for page in pages for tile in page.tiles), key=lambda tile: tile.rank)
     why = [reason for page in pages for reason in page.why]
-    told = {
+    if not full:
+        tiles, why = tiles[:_TILES], why[:_WHY]
+    definitions = prose()["definitions"]
+    seen = " ".join([*in_brief.headings, *(tile.name for tile in tiles), *lines, *why])
+    return {
         "first_lines": lines,
         "verdict": verdict.worst_verdict(result),
-        "shown_tiles": tiles if full else tiles[:_TILES],
+        "shown_tiles": tiles,
         "loads_in_brief": in_brief,
         "brief_caption": "; ".join(filter(None, (allowed, *marks_of(result.loads), more))),
-        "why": why if full else why[:_WHY],
+        "why": why,
         "decides": [line for line in brief.decides(result) if line not in lines],
         "warnings": list(result.warnings) if full else brief.remarks_in_brief(result),
         "given": words.given_in_words(result),
-    }
-    definitions = prose()["definitions"]
-    seen = " ".join([*in_brief.headings, *(tile.name for tile in told["shown_tiles"]), *lines, *told["why"]])
-    return told | {
-        "definitions": definitions if full else [one for one in definitions if one["sign"] in seen]
+        "definitions": definitions if full else [one for one in definitions if one["sign"] in seen],
     }
 
 
