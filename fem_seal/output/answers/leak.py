@@ -10,26 +10,31 @@ import numpy as np
 
 from fem_seal.answers.case_load import rate_of
 from fem_seal.answers.leakage_class import class_size, leakage_classes, volume_of
+from fem_seal.case.roughness import uncertain_heights
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.report.words import (
-    _narrowest_point,
-    _two_numbers,
-    _yielding_factor,
-    has_finish,
-    leakage_text,
-    uncertain_in_words,
-    usual_rate_of,
-)
+from fem_seal.output.columns import COLUMNS
 from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive
+from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_values
-from fem_seal.units import leak_range_text, percent
+from fem_seal.units import (
+    LIQUID,
+    LeakVolume,
+    digits_at_limit,
+    fixed_unit,
+    format_digits,
+    leak_range_text,
+    percent,
+    range_text,
+    unit_for,
+)
 from fem_seal.validity.checks import FLUID_OPENS
 from fem_seal.wording import say
-from leak import CoupledLeakResult
+from leak import CoupledLeakResult, LeakResult, drops_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
+    from fem_seal.case.case import Case
     from fem_seal.units import Display
 
 # Part of the pressure drop whose strip of the contact does the sealing: its middle 80 %.
@@ -59,7 +64,7 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
         if others:
             yield Tile("In other units", others[0], " = ".join(others[1:]), 95, level)
     if load.critical_separation is not None:
-        value, remark = _narrowest_point(load)
+        value, remark = narrowest_point(load)
         yield Tile("Narrowest point of the leak path", value, "u_c at the peak pressure", 80, level)
 
 
@@ -82,7 +87,7 @@ def sure(result: SealSolution, display: Display, load: CaseLoad) -> str:
         assert case.sampled is not None
         kind, share = uncertain_in_words(case, load), case.sampled.confidence
         also = "both" if load.others else "" if load.flow_error is None else "own"
-    elif load.leak_range is not None and (not load.others or _two_numbers(load)):
+    elif load.leak_range is not None and (not load.others or has_two_numbers(load)):
         kind = "bounds" if load.others else "simulated"
     else:
         kind = "error"
@@ -105,7 +110,7 @@ def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    factor, effect = _yielding_factor(load)
+    factor, effect = yielding_factor(load)
     yield say(display, "leak", "yielded", area=area, share=share, effect=effect, factor=factor)
 
 
@@ -125,6 +130,121 @@ def _throttle(display: Display, load: CaseLoad) -> str:
         effect = "opens" if ratio > FLUID_OPENS else "neglected"
     middle = _MIDDLE[1] - _MIDDLE[0]
     return say(display, "leak", "throttle", share=middle, width=width, effect=effect, ratio=ratio)
+
+
+# Ratio of leak rates that differs from one in two digits.
+_NOTICED = 1.05
+
+
+def narrowest_point(load: CaseLoad) -> tuple[str, str]:
+    """u_c in both readings of yielding asperities, and its name."""
+    known = (one.critical_separation for one in (load, *load.others.values()))
+    ends = Bounds.of(one for one in known if one is not None)
+    closed = "calculated as zero" if load.validity.outside else "sealed"
+    unit = unit_for("length", ends[1])
+    digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
+    low, high = (format_digits(unit.of(one), digits) if one else closed for one in ends)
+    text = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
+    both = "" if low == high else ", in both readings of asperities that yield"
+    return text, f"critical separation at the peak pressure{both}"
+
+
+def separate_ends(load: CaseLoad) -> Bounds | None:
+    """Leak rate in all readings of yielding asperities [m^3/s]; None where they agree."""
+    ends = load.leak_range
+    return ends if ends is not None and ends.apart else None
+
+
+def has_two_numbers(load: CaseLoad) -> bool:
+    """Whether the readings of yielding asperities differ in their shown digits."""
+    ends = separate_ends(load)
+    return ends is not None and len({format_digits(one, min(load.leak_digits, 2)) for one in ends}) == 2
+
+
+def usual_rate_of(load: CaseLoad) -> float | tuple[float, float]:
+    """Leak rate with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
+    return separate_ends(load) or (math.nan if load.leak is None else load.leak.leak_rate)
+
+
+def has_finish(case: Case) -> bool:
+    """Whether a face is given by the finish of a drawing."""
+    return case.roughness is not None and bool(case.roughness.finishes)
+
+
+def uncertain_in_words(case: Case, load: CaseLoad) -> str:
+    """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
+    if load.tested or not has_finish(case):
+        return "tested" if load.tested else "inputs"
+    given = case.uncertainty is not None and bool(case.uncertainty.spreads)
+    return "mixed" if given or any(uncertain_heights(case.roughness, between_scans=False)) else "finish"
+
+
+def yielding_factor(load: CaseLoad) -> tuple[str, str]:
+    """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
+    own, never = load.leak, (load.scenario("elastic") or load).leak
+    if own is None or never is None:
+        return "", ""
+    low, high = (separate_ends(load) if load.others else None) or (own.leak_rate, own.leak_rate)
+    if not high > 0:
+        return "", ""
+    elastic, digits = never.leak_rate, min(load.leak_digits, 2)
+    if low == 0:
+        return format_digits(elastic / high, digits_at_limit(elastic / high, 1.0, digits)), "never_sealed"
+    factor = range_text(
+        *(format_digits(one, digits_at_limit(one, 1.0, digits)) for one in (elastic / high, elastic / low))
+    )
+    return factor, "never" if elastic / low > _NOTICED else "hardly"
+
+
+def leakage_text(
+    load: CaseLoad, volume: LeakVolume = LIQUID, rate: float | tuple[float, float] | None = None
+) -> str:
+    """A leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
+
+    Parameters
+    ----------
+    load : CaseLoad
+        With a leak rate.
+    volume : LeakVolume
+        State of the leaking volume.
+    rate : float or tuple of float, optional
+        Another leak rate than that of the load, or both ends [m^3/s].
+    """
+    rate = rate_of(load) if rate is None else rate
+    assert load.leak is not None
+    if not volume.measurable(rate[1] if isinstance(rate, tuple) else rate):
+        return leak_range_text(rate, claimed=not load.validity.outside, volume=volume)
+    if not isinstance(rate, tuple):
+        ends = load.leak, load.leak
+    elif 0 < load.leak.leak_rate < math.inf:
+        ends = load.leak.scaled(rate[0]), load.leak.scaled(rate[1])
+    else:
+        # a sealed or open seal has no mass flow to scale
+        alone = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
+        return f"{alone} ({volume.state})" if volume.state else alone
+    digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
+    measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
+    columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
+    amounts = [
+        (format_digits(low, digits), format_digits(high, digits), unit) for (low, unit), (high, _) in columns
+    ]
+    # equal ends in the first unit stay equal in the others
+    as_one = amounts[0][0] == amounts[0][1]
+    return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in amounts)
+
+
+def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
+    volumes = fixed_unit("ml/min")
+    if found.throughput is not None:
+        usual = fixed_unit("mbar l/s")
+        yield usual.of(found.throughput), usual.name
+        yield from [(found.throughput, "Pa m³/s")] if usual.name != "Pa m³/s" else []
+        yield volumes.of(found.leak_rate), f"{volumes.name} ({volume.gas})"
+    else:
+        yield volumes.of(found.leak_rate), volumes.name
+        yield drops_per_minute(found.leak_rate), "drops/min"
+    if found.mass_flow is not None:
+        yield found.mass_flow, "kg/s"
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:

@@ -12,14 +12,22 @@ import numpy as np
 from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
-from fem_seal.case.roughness import uncertain_heights
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.lands import hardest_land
+from fem_seal.output.answers.leak import (
+    has_finish,
+    has_two_numbers,
+    leakage_text,
+    narrowest_point,
+    uncertain_in_words,
+    usual_rate_of,
+    yielding_factor,
+)
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.variants import told_in_headline
 from fem_seal.output.case_words import earlier_load, state_in_words
-from fem_seal.output.columns import COLUMNS, in_words
+from fem_seal.output.columns import in_words
 from fem_seal.output.prose import phrase
 from fem_seal.seal.findings import Bounds, Level, Validity
 from fem_seal.seal.load_result import highest_load, load_name, load_values
@@ -27,8 +35,6 @@ from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
-    digits_at_limit,
-    fixed_unit,
     format_digits,
     format_value,
     leak_range_text,
@@ -39,7 +45,7 @@ from fem_seal.units import (
     unit_for,
 )
 from fem_seal.validity.checks import FLUID_OPENS
-from leak import CoupledLeakResult, LeakResult, drops_per_minute
+from leak import CoupledLeakResult
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -54,8 +60,6 @@ PEAK = "Peak contact pressure"
 _MIDDLE = (0.1, 0.9)
 # Peak over Hertz's peak above which mesh and curved faces do not explain the difference.
 _ABOVE_HERTZ = 1.05
-# Ratio of leak rates that differs from one in two digits.
-_NOTICED = 1.05
 # Relative changes below this get no number.
 _LEAST = 1e-5
 
@@ -106,7 +110,7 @@ def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validit
     remarks = ["full width at half of the peak pressure", land]
     yield Fact("Width of the contact", width, ", ".join(filter(None, remarks))), contact
     if load.critical_separation is not None:
-        yield Fact("Narrowest point of the leak path", *_narrowest_point(load)), leaks
+        yield Fact("Narrowest point of the leak path", *narrowest_point(load)), leaks
     if not load.of_profile:
         where = f"von Mises, in the {result.case.label_of(load.max_von_mises_at[0])}"
         where += ", at the mean line load" if uneven else ""
@@ -141,19 +145,6 @@ def _leak_facts(case: Case, load: CaseLoad) -> Iterator[Fact]:
             yield Fact("In other units", others[0], " = ".join(others[1:]))
 
 
-def _narrowest_point(load: CaseLoad) -> tuple[str, str]:
-    """u_c in both readings of yielding asperities, and its name."""
-    known = (one.critical_separation for one in (load, *load.others.values()))
-    ends = Bounds.of(one for one in known if one is not None)
-    closed = "calculated as zero" if load.validity.outside else "sealed"
-    unit = unit_for("length", ends[1])
-    digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
-    low, high = (format_digits(unit.of(one), digits) if one else closed for one in ends)
-    text = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
-    both = "" if low == high else ", in both readings of asperities that yield"
-    return text, f"critical separation at the peak pressure{both}"
-
-
 def _least_in_words(load: CaseLoad) -> str:
     """Lower bound of a leak rate with scratches, which is the upper of two bounds; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
@@ -173,23 +164,6 @@ def least_with_scratches(load: CaseLoad) -> float:
         return math.nan
     low, high = load.around.scratches
     return load.leak.leak_rate - (high - low)
-
-
-def separate_ends(load: CaseLoad) -> Bounds | None:
-    """Leak rate in all readings of yielding asperities [m^3/s]; None where they agree."""
-    ends = load.leak_range
-    return ends if ends is not None and ends.apart else None
-
-
-def _two_numbers(load: CaseLoad) -> bool:
-    """Whether the readings of yielding asperities differ in their shown digits."""
-    ends = separate_ends(load)
-    return ends is not None and len({format_digits(one, min(load.leak_digits, 2)) for one in ends}) == 2
-
-
-def usual_rate_of(load: CaseLoad) -> float | tuple[float, float]:
-    """Leak rate with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
-    return separate_ends(load) or (math.nan if load.leak is None else load.leak.leak_rate)
 
 
 def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
@@ -220,7 +194,7 @@ def scenarios_in_words(load: CaseLoad, volume: LeakVolume = LIQUID) -> str:
     """Leak rate in each reading of yielding asperities; empty with only one reading."""
     if not load.others or load.leak_range is None:
         return ""
-    if not _two_numbers(load):
+    if not has_two_numbers(load):
         return phrase("interval.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
     every_one = {load.names[0]: load, **load.others}
@@ -396,19 +370,6 @@ def contact_alone(result: SealSolution, after: str = "") -> str:
     return phrase("notes.headline", "contact", load=at, contact=contact, missing=missing)
 
 
-def has_finish(case: Case) -> bool:
-    """Whether a face is given by the finish of a drawing."""
-    return case.roughness is not None and bool(case.roughness.finishes)
-
-
-def uncertain_in_words(case: Case, load: CaseLoad) -> str:
-    """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
-    if load.tested or not has_finish(case):
-        return "tested" if load.tested else "inputs"
-    given = case.uncertainty is not None and bool(case.uncertainty.spreads)
-    return "mixed" if given or any(uncertain_heights(case.roughness, between_scans=False)) else "finish"
-
-
 def held_in_words(case: Case, load: CaseLoad) -> list[str]:
     """Sentences about the coverage of the interval of a leak rate; none for a single number.
 
@@ -422,7 +383,7 @@ def held_in_words(case: Case, load: CaseLoad) -> list[str]:
         return []
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
-    elif load.leak_range is not None and (not load.others or _two_numbers(load)):
+    elif load.leak_range is not None and (not load.others or has_two_numbers(load)):
         held = [phrase("interval.ends", "what" if load.others else "simulated")]
     else:
         held = []
@@ -562,78 +523,10 @@ def _asperity_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    factor, effect = _yielding_factor(load)
+    factor, effect = yielding_factor(load)
     yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
-    if load.others and _two_numbers(load):
+    if load.others and has_two_numbers(load):
         yield phrase("interval.load", "why", scenarios=scenarios_in_words(load))
-
-
-def _yielding_factor(load: CaseLoad) -> tuple[str, str]:
-    """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
-    own, never = load.leak, (load.scenario("elastic") or load).leak
-    if own is None or never is None:
-        return "", ""
-    low, high = (separate_ends(load) if load.others else None) or (own.leak_rate, own.leak_rate)
-    if not high > 0:
-        return "", ""
-    elastic, digits = never.leak_rate, min(load.leak_digits, 2)
-    if low == 0:
-        return format_digits(elastic / high, digits_at_limit(elastic / high, 1.0, digits)), "never_sealed"
-    factor = range_text(
-        *(format_digits(one, digits_at_limit(one, 1.0, digits)) for one in (elastic / high, elastic / low))
-    )
-    return factor, "never" if elastic / low > _NOTICED else "hardly"
-
-
-def leakage_text(
-    load: CaseLoad, volume: LeakVolume = LIQUID, rate: float | tuple[float, float] | None = None
-) -> str:
-    """A leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
-
-    Parameters
-    ----------
-    load : CaseLoad
-        With a leak rate.
-    volume : LeakVolume
-        State of the leaking volume.
-    rate : float or tuple of float, optional
-        Another leak rate than that of the load, or both ends [m^3/s].
-    """
-    rate = rate_of(load) if rate is None else rate
-    assert load.leak is not None
-    if not volume.measurable(rate[1] if isinstance(rate, tuple) else rate):
-        return leak_range_text(rate, claimed=not load.validity.outside, volume=volume)
-    if not isinstance(rate, tuple):
-        ends = load.leak, load.leak
-    elif 0 < load.leak.leak_rate < math.inf:
-        ends = load.leak.scaled(rate[0]), load.leak.scaled(rate[1])
-    else:
-        # a sealed or open seal has no mass flow to scale
-        alone = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
-        return f"{alone} ({volume.state})" if volume.state else alone
-    digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
-    measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
-    columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
-    amounts = [
-        (format_digits(low, digits), format_digits(high, digits), unit) for (low, unit), (high, _) in columns
-    ]
-    # equal ends in the first unit stay equal in the others
-    as_one = amounts[0][0] == amounts[0][1]
-    return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in amounts)
-
-
-def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
-    volumes = fixed_unit("ml/min")
-    if found.throughput is not None:
-        usual = fixed_unit("mbar l/s")
-        yield usual.of(found.throughput), usual.name
-        yield from [(found.throughput, "Pa m³/s")] if usual.name != "Pa m³/s" else []
-        yield volumes.of(found.leak_rate), f"{volumes.name} ({volume.gas})"
-    else:
-        yield volumes.of(found.leak_rate), volumes.name
-        yield drops_per_minute(found.leak_rate), "drops/min"
-    if found.mass_flow is not None:
-        yield found.mass_flow, "kg/s"
 
 
 def classes_in_words(classes: Sequence[LeakageClass]) -> str:
