@@ -162,7 +162,9 @@ def run(
     from fem_seal.output import files
 
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
-        result = seal_result.run(case, progress=progress, sensitivities=sensitivities, full=all_columns)
+        result = seal_result.run(
+            case, progress=progress, sensitivities=sensitivities, full=full or all_columns
+        )
         progress("writing results")
         failures = files.write(result, folder, every=all_columns, full=full)
     _show(result, folder, failures, details=details, every=all_columns, quiet=quiet, json=json)
