@@ -226,10 +226,10 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
 def test_sensitivities_follow_the_complete_run(session, run):
     design, told = session.design(DESIGN), []
     assert complete_screen(design, run, follow=True).sensitivities == ("are being calculated ...",)
-    # as in a worker, which tells each, so that a newer design can break them off
+    # as in a worker, which tells each solution, so that a newer design can break them off; many share one
     with ThreadPoolExecutor(1) as beside:
         found = beside.submit(with_sensitivities, run, told.append).result()
-    assert len(set(told)) == 1 and len(told) >= len(found.sensitivities)
+    assert len(set(told)) == 1 and len(told) >= 3
     said = complete_screen(design, found).sensitivities
     assert any("halving the roughness heights cuts the leak by " in one for one in said)
 
