@@ -20,7 +20,7 @@ from fem_seal.case.messages import toml
 from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.case.schema import case_schema
 from fem_seal.files import as_json
-from fem_seal.output.columns import COLUMNS, CONDITIONS, SHOWN_COLUMNS
+from fem_seal.output.columns import COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.library import material_cells, material_rows, over_temperature_lines
 from fem_seal.output.tables import MEANINGS
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
@@ -557,7 +557,7 @@ def _leak_columns() -> Iterator[str]:
             "" if column.text else column.unit or "1",
             column.meaning,
             column.heading,
-            ", ".join(CONDITIONS[name].source for name in column.belongs),
+            ", ".join(column.belongs),
         )
         yield "| " + " | ".join(cells) + " |"
     yield ""

@@ -8,11 +8,10 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import MissingLoad
-from fem_seal.seal.scenarios import SCENARIOS, force_column, leak_rate_column
+from fem_seal.seal.scenarios import force_column, leak_rate_column
 from fem_seal.units import (
     DIGITS,
     LIQUID,
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad
     from fem_seal.case.case import Case
     from fem_seal.case.tables import CaseTables
-    from leak import LeakResult
 
 
 @dataclass(frozen=True)
@@ -75,8 +73,8 @@ class Column:
         Name in the files; it ends in the SI unit.
     meaning : str
         Text for the reference of the columns.
-    of : callable
-        Function of a `CaseLoad`: the number in SI, None where nothing was calculated.
+    of : str
+        Path of the number in a `CaseLoad`, in SI, unless `_OF` has a function for it; the column's name unless given.
     kind : str
         Kind of quantity, see `fem_seal.units.unit_for`; empty for a plain number.
     heading : str
@@ -90,7 +88,9 @@ class Column:
     spare_digits : int, optional
         Near opening: significant digits beyond those of the contact force; None if the number does not depend on it.
     belongs : sequence of str
-        Names in `CONDITIONS` of what a case has whose results have the column; none means every case.
+        Tables and keys of the cases whose results have the column, all of them or one of those with "or" between.
+    repeats : bool
+        Whether it repeats another column, and is not empty, in a case that has its tables but not its keys.
     text : bool
         Whether it holds words.
     most_digits : int
@@ -101,7 +101,7 @@ class Column:
 
     name: str
     meaning: str
-    of: Callable[[CaseLoad], float | None]
+    of: str = ""
     kind: str = ""
     heading: str = ""
     title: str = ""
@@ -110,25 +110,25 @@ class Column:
     unit_like: str = ""
     spare_digits: int | None = None
     belongs: Sequence[str] = ()
+    repeats: bool = False
     text: bool = False
     most_digits: int = DIGITS
     error_of: str = ""
 
-    def lacking(self, case: CaseTables, varied: Collection[str] = ()) -> Iterator[Condition]:
-        """What a case lacks of what the column belongs to; what follows from varied entries counts as there.
+    def lacking(self, case: CaseTables, varied: Collection[str] = ()) -> list[str]:
+        """Those of `belongs` that a case has not.
 
         Parameters
         ----------
         case : CaseTables
         varied : collection of str
-            Paths of the entries that a study varies.
+            Paths of the entries that a study varies; what they decide counts as there.
         """
-        for name in self.belongs:
-            condition = CONDITIONS[name]
-            if not condition.holds(case) and not any(
-                key in path for key in condition.keys for path in varied
-            ):
-                yield condition
+        return [
+            source
+            for source in self.belongs
+            if not any(_holds(case, one) or _is_varied(one, varied) for one in source.split(" or "))
+        ]
 
     @property
     def unit(self) -> str:
@@ -147,7 +147,11 @@ class Column:
 
     def value(self, load: AnyLoad) -> float | None:
         """Number of a load in SI, None where nothing was calculated."""
-        return load.given.get(self.name) if isinstance(load, MissingLoad) else self.of(load)
+        if isinstance(load, MissingLoad):
+            return load.given.get(self.name)
+        return (
+            _OF[self.name](load) if self.name in _OF else _follow(self.of or split_unit(self.name)[0], load)
+        )
 
     def number(self, load: AnyLoad) -> float:
         """The same, NaN where nothing was calculated."""
@@ -163,22 +167,16 @@ class Column:
         return min(of_force, of_error, self.most_digits)
 
 
-def _leak_rate_in(scenario: str, load: CaseLoad) -> float | None:
-    read = load.scenario(scenario)
-    return None if read is None else _rate(read.leak)
+def _follow(path: str, value: object) -> Any:
+    """What stands at the end of a path of attributes; None where it ends before."""
+    for name in path.split("."):
+        value = getattr(value, name, None)
+    return value
 
 
-def _force_in(scenario: str, load: CaseLoad) -> float | None:
-    return load.scenarios[scenario].force_for_target if scenario in load.scenarios else None
-
-
-def _critical_separation_in(scenario: str, load: CaseLoad) -> float | None:
-    read = load.scenario(scenario)
-    return None if read is None else read.critical_separation
-
-
-def _rate(leak: LeakResult | None) -> float | None:
-    return None if leak is None else leak.leak_rate
+def _in_scenario(scenario: str, path: str, load: CaseLoad) -> float | None:
+    value: float | None = _follow(path, load.scenario(scenario))
+    return value
 
 
 def _contact_radius(load: CaseLoad) -> float:
@@ -218,9 +216,12 @@ def _interval_end(load: CaseLoad, which: int) -> float | None:
     return ends[which] if ends is not None and load.has_interval else None
 
 
-def _per_length(load: CaseLoad, value: float | None) -> float | None:
-    """A number per length of the circle of first touch, of two different faces the mean of both."""
-    radii = [one.contact.model.initial_contact_radius for one in load.parts]
+def _per_length(name: str, load: CaseLoad) -> float | None:
+    """A number of the leak per length of the contact circle, of two different faces the mean of both."""
+    radii, value = (
+        [part.contact.model.initial_contact_radius for part in load.parts],
+        _follow(name, load.leak),
+    )
     return None if value is None else value / (2.0 * math.pi * sum(radii) / len(radii))
 
 
@@ -229,194 +230,91 @@ def _line_load_for_target(load: CaseLoad) -> float | None:
     return None if force is None else load.contact.model.line_load(force)
 
 
-def _of_bolt(name: str) -> Callable[[CaseLoad], float | None]:
-    return lambda load: getattr(load.bolts, name, None) if isinstance(load, CaseLoad) else None
+def _entry(path: str, place: int, load: CaseLoad) -> float | None:
+    """A number of the pair at the end of a path."""
+    pair = _follow(path, load)
+    return None if pair is None else pair[place]
 
 
-def _preload_end(load: CaseLoad, which: int) -> float | None:
-    """Leak rate at the end of the preload where it is least (0) or largest (-1) [m^3/s]."""
-    return None if load.at_preload_ends is None else load.at_preload_ends[which]
+def _largest_peak(load: CaseLoad) -> float | None:
+    return None if load.circumference is None else float(load.circumference.peak_pressure.max())
 
 
-def _of_scratches(load: CaseLoad, which: int) -> float | None:
-    around = load.around
-    return None if around is None or around.scratches is None else around.scratches[which]
-
-
-def _of_judged(name: str) -> Callable[[CaseLoad], float | None]:
-    return lambda load: getattr(load, name) if isinstance(load, CaseLoad) else None
-
-
-# Texts of the columns of all tables.
-_SAID = own_tables("columns.toml")
-# Functions of columns whose number is not the property of the load with the name of the column.
+# Columns of all tables, with their texts.
+_TABLES = own_tables("columns.toml")
+# Functions of columns whose number does not stand at a path of the load: at "of", or at the name of the column.
 _OF: dict[str, Callable[[CaseLoad], float | None]] = {
-    "contact_radius_m": _contact_radius,
-    "leak_rate_m3_per_s": lambda load: _rate(load.leak),
     "leak_rate_low_m3_per_s": lambda load: _interval_end(load, 0),
     "leak_rate_high_m3_per_s": lambda load: _interval_end(load, 1),
-    "leak_rate_kg_per_s": lambda load: getattr(load.leak, "mass_flow", None),
-    "leak_rate_Pa_m3_per_s": lambda load: getattr(load.leak, "throughput", None),
-    "leak_rate_standard_m3_per_s": lambda load: getattr(load.leak, "standard_leak_rate", None),
-    "knudsen_number": _knudsen_number,
-    "lift_off_x_m": lambda load: getattr(load.leak, "lift_off_x", None),
     "blow_off_pressure_Pa": _blow_off_pressure,
-    "effective_seal_radius_m": lambda load: load.effective_radius,
-    "force_for_target_leak_N": lambda load: load.force_for_target,
+    "line_load_for_target_N_per_m": _line_load_for_target,
+    "peak_pressure_max_Pa": _largest_peak,
+    "contact_radius_m": _contact_radius,
     "max_accumulated_plastic_strain": _plastic_strain,
     "load_steps": _load_steps,
-    "opening_margin_N": lambda load: None if load.opening is None else load.opening.force,
-    "opening_margin_Pa": lambda load: None if load.opening is None else load.opening.pressure,
-    "opening_margin": lambda load: None if load.opening is None else load.opening.share,
-    "peak_pressure_max_Pa": lambda load: (
-        None if load.circumference is None else float(load.circumference.peak_pressure.max())
+    **{
+        leak_rate_column(scenario): partial(_in_scenario, scenario, "leak.leak_rate")
+        for scenario in ("elastic", "conserved", "capped", "corrected", "paper")
+    },
+    force_column("capped"): partial(_in_scenario, "capped", "force_for_target"),
+    "critical_separation_elastic_m": partial(_in_scenario, "elastic", "critical_separation"),
+    "leak_rate_round_m3_per_s": lambda load: (
+        None if load.circumference is None else _follow("leak_round.leak_rate", load)
     ),
-    "line_load_min_over_mean": lambda load: (
-        None if load.circumference is None else load.circumference.least_over_mean
-    ),
-    "leak_rate_round_m3_per_s": lambda load: None if load.circumference is None else _rate(load.leak_round),
-    "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
-    "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
-    "line_load_for_target_N_per_m": _line_load_for_target,
-    "leak_rate_per_length_m2_per_s": lambda load: _per_length(load, _rate(load.leak)),
-    "leak_rate_per_length_kg_per_m_s": lambda load: _per_length(load, getattr(load.leak, "mass_flow", None)),
-    "leak_rate_per_length_Pa_m2_per_s": lambda load: _per_length(
-        load, getattr(load.leak, "throughput", None)
-    ),
-    "bolt_preload_N": _of_bolt("preload"),
-    "bolt_torque_N_m": _of_bolt("torque"),
-    "bolt_force_N": _of_bolt("force"),
-    "bolt_stress_Pa": _of_bolt("stress"),
-    "leak_rate_least_preload_m3_per_s": lambda load: _preload_end(load, -1),
-    "leak_rate_largest_preload_m3_per_s": lambda load: _preload_end(load, 0),
-    "bolt_preload_for_target_N": _of_bolt("preload_for_target"),
-    "bolt_torque_for_target_N_m": _of_bolt("torque_for_target"),
-    "bolt_stress_for_target_Pa": _of_bolt("stress_for_target"),
-    "force_for_verdict_N": _of_judged("force_for_verdict"),
-    "margin": _of_judged("margin"),
-    "pass_probability": _of_judged("pass_probability"),
-    "pass_probability_error": _of_judged("pass_probability_error"),
-    "batch_share_p05": _of_judged("batch_share_p05"),
+    "leak_rate_scratches_low_m3_per_s": partial(_entry, "around.scratches", 0),
+    "leak_rate_scratches_high_m3_per_s": partial(_entry, "around.scratches", 1),
+    "leak_rate_least_preload_m3_per_s": partial(_entry, "at_preload_ends", -1),
+    "leak_rate_largest_preload_m3_per_s": partial(_entry, "at_preload_ends", 0),
+    "leak_rate_per_length_m2_per_s": partial(_per_length, "leak_rate"),
+    "leak_rate_per_length_kg_per_m_s": partial(_per_length, "mass_flow"),
+    "leak_rate_per_length_Pa_m2_per_s": partial(_per_length, "throughput"),
+    "knudsen_number": _knudsen_number,
 }
 
-
-_OF |= {leak_rate_column(scenario): partial(_leak_rate_in, scenario) for scenario in SCENARIOS}
-_OF |= {force_column(scenario): partial(_force_in, scenario) for scenario in SCENARIOS}
-_OF |= {
-    f"critical_separation_{scenario}_m": partial(_critical_separation_in, scenario) for scenario in SCENARIOS
-}
-
-
-@dataclass(frozen=True)
-class Condition:
-    """What a case has whose results have some columns.
-
-    Parameters
-    ----------
-    source : str
-        Key or table of the case that brings them, in words.
-    holds : callable
-        Whether a case has it.
-    keys : sequence of str
-        Parts of the paths of entries that a study may vary and that decide it, too.
-    repeats : bool
-        Whether a column without it is not empty but repeats another one, so that a study may ask for it.
-    """
-
-    source: str
-    holds: Callable[[CaseTables], object]
-    keys: Sequence[str] = ()
-    repeats: bool = False
-
-
-def _has_plasticity(case: CaseTables) -> bool:
-    return case.leak.plasticity and case.hardness is not None
-
-
-def _is_by_paper(case: CaseTables) -> bool:
-    return case.leak.theory == "paper" and case.leak.conductivity != "direct"
-
-
-def _has_interval(case: CaseTables) -> bool:
-    has_error = case.leak.theory == "corrected" or case.leak.conductivity == "direct"
-    return has_error or case.sampled is not None or _has_plasticity(case)
-
-
-def _may_open(case: CaseTables) -> bool:
-    load, forces = case.load, np.atleast_1d(case.load.applied_force)
-    return load.closing == "penetration" or load.pressure_side == "inner" or bool((forces < 0.0).any())
-
-
-_OPENS = 'load.closing = "penetration" or load.pressure_side = "inner"'
-_OPEN_KEYS = ("closing", "pressure_side", "applied_force")
-_LEAK_KEYS = ("leak.theory", "leak.plasticity", "leak.conductivity")
-CONDITIONS = {
-    "roughness": Condition("[roughness]", lambda case: case.roughness),
-    "fluid": Condition("[fluid]", lambda case: case.fluid),
-    "gas": Condition("a gas in [fluid]", lambda case: case.fluid and case.fluid.gas, ("fluid.name",)),
-    "liquid": Condition(
-        "a liquid in [fluid]", lambda case: case.fluid and not case.fluid.gas, ("fluid.name",)
-    ),
-    "density": Condition("fluid.density", lambda case: case.fluid and case.fluid.density, ("fluid.",)),
-    "uncertainty": Condition("[uncertainty]", lambda case: case.sampled),
-    "interval": Condition(
-        '[uncertainty] or leak.theory = "corrected" or leak.plasticity = true',
-        _has_interval,
-        _LEAK_KEYS,
-    ),
-    "plasticity": Condition("leak.plasticity = true", _has_plasticity, _LEAK_KEYS),
-    "paper": Condition('leak.theory = "paper"', _is_by_paper, _LEAK_KEYS),
-    "elastic": Condition("leak.plasticity = true", _has_plasticity, repeats=True),
-    "other theory": Condition('leak.theory = "paper"', _is_by_paper, repeats=True),
-    "every": Condition("--all-columns", lambda case: False, repeats=True),
-    "local": Condition(
-        'leak.fluid_in_gap = "local"', lambda case: case.leak.fluid_in_gap == "local", ("fluid_in_gap",)
-    ),
-    "opens": Condition(_OPENS, _may_open, _OPEN_KEYS),
-    "lifts": Condition(
-        f'{_OPENS} or leak.fluid_in_gap = "local"',
-        lambda case: _may_open(case) or case.leak.fluid_in_gap == "local",
-        (*_OPEN_KEYS, "fluid_in_gap"),
-    ),
-    "penetration": Condition(
-        'load.closing = "penetration"', lambda case: case.load.closing == "penetration", ("closing",)
-    ),
-    "target": Condition(
-        "load.target_leak_rate", lambda case: case.load.target_leak_rate is not None, ("target_leak_rate",)
-    ),
-    "requirement": Condition("[requirement]", lambda case: case.requirement),
-    "parts": Condition(
-        'an entry of [uncertainty] with varies = "part"',
+# What no key of a case says alone, and the part of a path by which a study may vary it.
+_CONDITIONS: dict[str, tuple[Callable[[CaseTables], object], str]] = {
+    "[uncertainty]": (lambda case: case.sampled, ""),
+    'an entry of [uncertainty] with varies = "part"': (
         lambda case: case.uncertainty and case.uncertainty.of_parts,
+        "",
     ),
-    "form": Condition("[form]", lambda case: case.form),
-    "grooves": Condition(
-        "form.scratches or form.lay", lambda case: case.form and (case.form.scratches or case.form.lay)
+    "a gas in [fluid]": (lambda case: case.fluid and case.fluid.gas, "fluid.name"),
+    "a liquid in [fluid]": (lambda case: case.fluid and not case.fluid.gas, "fluid.name"),
+    "fluid.density": (lambda case: case.fluid and case.fluid.density, "fluid."),
+    "stress_strain of a material": (curves, "material"),
+    "load.applied_force < 0": (
+        lambda case: (np.atleast_1d(case.load.applied_force) < 0.0).any(),
+        "applied_force",
     ),
-    "curve": Condition("stress_strain of a material", curves, ("material",)),
-    "temperature": Condition("[temperature]", lambda case: case.temperature),
-    "stop": Condition(
-        "gasket.stop", lambda case: case.gasket and case.gasket.stop is not None, ("gasket.stop",)
-    ),
-    "bolts": Condition("[bolts]", lambda case: case.bolts),
-    "no bolts": Condition("no [bolts]", lambda case: not case.bolts),
-    "scatter": Condition(
-        "bolts.torque_scatter", lambda case: case.bolts and case.bolts.torque_scatter, ("torque_scatter",)
-    ),
-    "one preload": Condition(
-        "no bolts.torque_scatter",
-        lambda case: not (case.bolts and case.bolts.torque_scatter),
-        ("torque_scatter",),
-    ),
+    "--all-columns": (lambda case: False, ""),
 }
+
+
+def _holds(case: CaseTables, condition: str) -> bool:
+    """Whether a case has "[table]", "key", "key = value" or one of `_CONDITIONS`, or has not "no key"."""
+    if condition in _CONDITIONS:
+        return bool(_CONDITIONS[condition][0](case))
+    path, _, value = condition.removeprefix("no ").partition(" = ")
+    entry = _follow(path.strip("[]"), case)
+    if value:
+        return str(entry).lower() == value.strip('"')
+    return bool(entry) != condition.startswith("no ")
+
+
+def _is_varied(condition: str, paths: Collection[str]) -> bool:
+    """Whether a study varies what decides a condition; a table of its own has to stand in the base case."""
+    path = condition.removeprefix("no ").partition(" = ")[0]
+    _, key = _CONDITIONS.get(condition, (None, "" if path.startswith("[") else path))
+    return bool(key) and any(key in one for one in paths)
+
 
 # Names of the columns of each table; empty ones are left out.
-SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
+SHOWN_COLUMNS: dict[str, list[str]] = _TABLES["shown"]
 # Of a table in brief.
 MOST_COLUMNS = 6
 COLUMNS = {
-    name: Column(name, of=_OF.get(name) or attrgetter(split_unit(name)[0]), **entry)
-    for name, entry in _SAID["loads"].items()
+    name: Column(name, **(_TABLES["kinds"].get(entry.get("kind"), {}) | entry))
+    for name, entry in _TABLES["loads"].items()
 }
 LEAK_COLUMNS, TEXT_COLUMNS = (
     tuple(name for name, column in COLUMNS.items() if column.text is text) for text in (False, True)
@@ -437,8 +335,7 @@ def columns_of(case: CaseTables, *, of_profile: bool = False, every: bool = Fals
     return tuple(
         column
         for name, column in COLUMNS.items()
-        if (not of_profile or name in SHOWN_COLUMNS["of_profiles"])
-        and (every or not any(column.lacking(case)))
+        if (not of_profile or name in SHOWN_COLUMNS["of_profiles"]) and (every or not column.lacking(case))
     )
 
 
@@ -468,7 +365,7 @@ def column_named(name: object, columns: Iterable[str], case: CaseTables | None =
         return full[str(name)]
     if name in known:
         column = COLUMNS[known[str(name)]]
-        missing = [] if case is None else [condition.source for condition in column.lacking(case)]
+        missing = [] if case is None else column.lacking(case)
         sources = f"it comes with {' and '.join(missing)}; result.all_columns has every column"
         raise KeyError(
             f"{column.name} is not in this table: {sources if missing else 'no response names it'}"
@@ -523,11 +420,11 @@ def in_words(load: CaseLoad, name: str) -> str:
 # Columns of the loads on the terminal.
 LEAK_ON_TERMINAL = tuple(column.on_terminal for column in COLUMNS.values() if column.short)
 # Rows of `fem-seal check` for the case as a whole: name and unit by the key in its JSON.
-CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
+CHECK_OF_CASE: dict[str, tuple[str, str]] = _TABLES["of_the_case"]
 # Columns of `fem-seal check` for the loads: those known before a solve, and the closed forms.
 CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
-    *(TerminalColumn(name, heading, unit) for name, (heading, unit) in _SAID["closed_forms"].items()),
+    *(TerminalColumn(name, heading, unit) for name, (heading, unit) in _TABLES["closed_forms"].items()),
     *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
 )
 

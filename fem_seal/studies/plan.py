@@ -176,9 +176,9 @@ _SHARES = ("pass_probability", "batch_share_p05")
 
 
 def _missing(study: StudyPlan, column: str) -> list[str]:
-    """Sources that no design has of what fills a column."""
-    lacking = COLUMNS[column].lacking(study.case, study.names)
-    return [condition.source for condition in lacking if not condition.repeats]
+    """What no design has of what fills a column."""
+    missing = COLUMNS[column].lacking(study.case, study.names)
+    return [source for source in missing if source.startswith("[") or not COLUMNS[column].repeats]
 
 
 def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -586,7 +586,7 @@ def test_nothing_is_said_where_nothing_is_required():
     result = rough_result()
     assert result.verdict is None and result.margin is None
     assert seal_verdict(result.case, result.loads, {}) is None
-    assert leak_table(result)["verdict"].tolist() == [""] * 3
+    assert not {"verdict", "margin"} & {*leak_table(result)}
     assert summary(result)["requirement"] is None
 
 

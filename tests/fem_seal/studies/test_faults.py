@@ -18,8 +18,9 @@ from places import EXAMPLES, ROOT
 from fem_seal import Study, StudyResult, load_case
 from fem_seal.cli.app import main
 from fem_seal.errors import InputError, OutputError
+from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.seal.findings import VALID
-from fem_seal.studies import responses, store
+from fem_seal.studies import plan, responses, store
 from fem_seal.studies.progress import Lines
 from fem_seal.studies.session import run_study
 
@@ -528,6 +529,23 @@ def test_a_search_that_was_killed_while_it_told_a_result_resumes_in_silence(tmp_
         resumed = run_study(searching, folder=tmp_path / "part", workers=0, resume=True)
     assert capsys.readouterr().err == ""
     pd.testing.assert_frame_equal(resumed.table, whole.table, check_exact=True)
+
+
+@pytest.mark.usefixtures("known_bodies")
+def test_a_file_with_its_responses_in_another_order_goes_on(tmp_path, monkeypatch):
+    """As a version of before wrote it: its designs are not calculated again, and others come to them."""
+    forces, responses = ["0 N", "1 N", "2 N"], ["line_load_N_per_m", "fwhm_m"]
+    with monkeypatch.context() as patch:
+        patch.setattr(plan, "LEAK_COLUMNS", LEAK_COLUMNS[::-1])
+        before = study(parameters={"load.applied_force": forces[:2]}, responses=responses)
+    assert before.responses == ("fwhm_m", "line_load_N_per_m")
+    first = run_study(before, folder=tmp_path, workers=0).table
+    after = study(parameters={"load.applied_force": forces}, responses=responses)
+    assert after.responses == ("line_load_N_per_m", "fwhm_m")
+    resumed = run_study(after, folder=tmp_path, workers=0, resume=True)
+    pd.testing.assert_frame_equal(resumed.table[:2], first, check_exact=True)
+    whole = run_study(after, folder=tmp_path / "whole", workers=0).table
+    pd.testing.assert_frame_equal(resumed.table[[*whole]], whole, check_exact=True)
 
 
 @pytest.mark.parametrize(

@@ -321,7 +321,7 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"responses": ["leek_rate"]}, ["responses", "leak_rate_m3_per_s"]),
         ({"responses": ["fwhm_m", "fwhm_m"]}, ["responses", "twice"]),
         (
-            {"changes": {**COARSE, "leak.plasticity": False}, "responses": ["leak_rate_low_m3_per_s"]},
+            {"changes": {**COARSE, "leak.plasticity": False}, "responses": ["leak_rate_p50_m3_per_s"]},
             ["responses", "[uncertainty]"],
         ),
         (
