@@ -146,14 +146,14 @@ def keep(result: SealResult, example: Path) -> Path:
     Path
         The results folder.
     """
-    from fem_seal.output.report.words import headline
+    from fem_seal.output.report.brief import first_line
     from fem_seal.units import shown_in
 
     folder = folder_of(example)
     shutil.rmtree(folder, ignore_errors=True)
-    result.write(folder)
+    result.write(folder, full=True)
     with shown_in(result.case.display):
-        first = headline(result)
+        first = first_line(result)
     about = {"headline": first, "warnings": list(result.warnings), "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
     return folder
@@ -348,14 +348,13 @@ def first_panel(drawing: bytes) -> bytes:
 
 
 def _number(name: str) -> str:
-    """What the seal leaks under its last load, from the headline of its report; empty before it is solved."""
+    """What the seal leaks under its last load, from the first line of its report; empty before it is solved."""
     about = folder_of(EXAMPLES / f"{name}.toml") / "page.json"
     if not about.exists():
         return ""
     first = json.loads(about.read_text(encoding="utf-8"))["headline"].partition(". ")[0]
-    text = first.partition(" leaks ")[2] or first.partition(":")[0]
-    amount = re.split(r", | and (?=[\d.]+ )", re.sub(r" \(.*?\)", "", text))[-1]
-    return f"**{_line(amount.removeprefix('after ').rstrip('.'))}**"
+    amount = re.sub(r" \(.*?\)", "", first.removeprefix("Leaks ").partition("; ")[0])
+    return f"**{_line(amount)}**"
 
 
 def _study_card(path: Path) -> str:

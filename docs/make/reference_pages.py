@@ -29,7 +29,7 @@ import fem_seal
 import leak
 import meshes
 from fem_seal.cli.app import app, main
-from fem_seal.output.report.words import headline
+from fem_seal.output.report.brief import first_line
 
 FOLDER = Path(__file__).parents[1] / "reference"
 
@@ -146,13 +146,13 @@ def _heading(text: str, line: str) -> str:
     return f"{text}\n{line * len(text)}\n\n"
 
 
-def check_first_pages(headline: str) -> None:
+def check_first_pages(verdict: str) -> None:
     """Fail where the leak rate on the first pages, typed by hand, is not that of the tutorial's seal.
 
     Parameters
     ----------
-    headline : str
-        Of its report.
+    verdict : str
+        First line of its report.
 
     Raises
     ------
@@ -160,8 +160,8 @@ def check_first_pages(headline: str) -> None:
     """
     for page in (FOLDER.parent / "index.md", FOLDER.parents[1] / "README.md"):
         match = re.search(r"\*\*(.*ml/min)\*\*", page.read_text(encoding="utf-8"))
-        if match is None or f"{match[1]} at 50 bar" not in headline:
-            raise ValueError(f"{page}: the leak rate of the first seal is not the calculated one: {headline}")
+        if match is None or f"{match[1]} at 50 bar" not in verdict:
+            raise ValueError(f"{page}: the leak rate of the first seal is not the calculated one: {verdict}")
 
 
 def tutorial(folder: Path) -> None:
@@ -187,12 +187,12 @@ def tutorial(folder: Path) -> None:
         (folder_of_results / f"{name}.svg").write_bytes(pictures[name][0])
     # for the first page, on which the whole would have letters that nobody can read
     (folder_of_results / "section.svg").write_bytes(gallery.first_panel(pictures["sketch"][0]))
-    first = re.search(r'<p class="headline">(.*?)</p>', page)
+    first = re.search(r"<strong>(.*?)</strong>", page)
     assert first is not None
     (folder_of_results / "headline.md").write_text(f"> {unescape(first[1])}\n", encoding="utf-8")
     case = fem_seal.load_case(folder / "first_seal.toml")
     check_first_pages(unescape(first[1]))
-    finer = headline(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"})))
+    finer = first_line(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"})))
     (folder_of_results / "finer.md").write_text(f"> {finer}\n", encoding="utf-8")
     _leak_test(folder, folder_of_results)
 

@@ -65,6 +65,7 @@ def _version(
 def report(
     folder: terminal.ResultsFolder,
     output: Annotated[Path | None, terminal.output_option("DIR/report.html", "HTML file.", "FILE")] = None,
+    full: Annotated[bool, terminal.option("run", "full")] = False,
     quiet: terminal.Quiet = False,
     debug: terminal.Debug = False,
 ) -> None:
@@ -75,7 +76,7 @@ def report(
     result = read_result(folder)
     file = output or folder / "report.html"
     with folder_lock(folder), shown_in(result.case.display):
-        write_report(result, file)
+        write_report(result, file, full=full)
     _warn_of_unfinished_designs(folder)
     if not quiet:
         terminal.say(f"report in {file}")

@@ -52,14 +52,14 @@ def result_html(result: SealSolution) -> str:
     """
     from fem_seal.output.pictures.style import Picture, svg
     from fem_seal.output.plots import result_figure
+    from fem_seal.output.report.brief import first_line
     from fem_seal.output.report.page import load_table, marks_in_words
-    from fem_seal.output.report.words import headline
 
     picture = Picture(
         "result", svg(result_figure(result)), "leak rate over the loads, and pressure profiles", ""
     )
     return (
-        f"<p><b>{escape(result.case.title)}</b><br>{escape(headline(result))}</p>{_readable(load_table(result))}"
+        f"<p><b>{escape(result.case.title)}</b><br>{escape(first_line(result))}</p>{_readable(load_table(result))}"
         f"<p>{escape(marks_in_words(result).strip())} All columns, in SI: <code>.table</code>.</p>"
         f'<img src="{picture.address}" alt="{picture.alt}" style="max-width: 100%">'
     )

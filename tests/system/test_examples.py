@@ -12,6 +12,7 @@ from fem_seal import load_case, run
 from fem_seal.answers.closed_forms import derive
 from fem_seal.cli.terminal import show_result, warn
 from fem_seal.output.report.brief import loads_in_brief, remarks_in_brief
+from fem_seal.output.report.page import report
 
 CASES = sorted(EXAMPLES.glob("*.toml"))
 
@@ -69,8 +70,19 @@ def test_case_runs_and_is_resolved(path, capsys):
         assert ends is None or ends[0] <= load.leak.leak_rate <= ends[1]
     # the load steps of a body that yields leave a per cent, elements a few parts in ten thousand
     assert result.discretisation_error.peak_pressure < (1e-2 if result.unloaded else 5e-4)
+    _is_read_in_minutes(report(result))
     # the manual shows what is solved here
     assert (gallery.keep(result, path) / "report.html").exists()
+
+
+def _is_read_in_minutes(page):
+    """Words of the short report with and without what is folded, pictures, and the size of the file."""
+    body = re.sub(r"<(style|title)>.*?</\1>", "", page, flags=re.DOTALL)
+    unfolded = re.sub(r"<details>.*?</details>", "", body, flags=re.DOTALL)
+    texts = (re.sub(r"<[^>]+>", " ", text).split() for text in (unfolded, body))
+    seen, every = (sum(bool(re.search(r"\w", word)) for word in text) for text in texts)
+    assert seen <= 750 and every <= 1200
+    assert body.count("<img") <= 5 and len(page) <= 600_000
 
 
 # Columns that are filled whatever the case: the other theory, and what repeats the leak rate and its gap.

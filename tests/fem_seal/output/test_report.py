@@ -160,6 +160,18 @@ def test_pictures_carry_their_axes_as_text(page):
             assert word in texts[name], f"{word} in {name}"
 
 
+@pytest.mark.parametrize("result", [rough_result, single_result, smooth_result])
+def test_the_short_report_says_nothing_that_the_full_one_does_not(result):
+    page, whole = Page(report(result())), Page(told(result))
+    assert set(page.pictures) <= set(whole.pictures) and {"sketch", "contact"} <= set(page.pictures)
+    words = [word for word in page.text.split() if re.search(r"\w", word)]
+    assert len(words) < 1200 and len(page.pictures) <= 5
+    tiles = re.findall(r'<span class="value">(.*?)</span>', report(result()))
+    assert 0 < len(tiles) <= 6 and set(tiles) <= set(re.findall(r'class="value">(.*?)</span>', told(result)))
+    ids = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
+    assert len(ids) == len(set(ids))
+
+
 @pytest.mark.usefixtures("unrendered")
 def test_user_text_is_escaped():
     warning = 'seat <img src="http://example.org/x.png" onerror="boom"> & more'
