@@ -135,25 +135,25 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
 
 def _show_remarks(designs: Designs) -> None:
     """How many designs pass often enough, and whether a better one may lie outside of the ranges."""
-    from fem_seal.studies.display import Display
+    from fem_seal.studies.display import DesignDisplay
     from fem_seal.studies.page import edge_sentence, passing_words
 
-    display = Display(designs)
+    display = DesignDisplay(designs)
     for sentence in filter(None, (passing_words(display), edge_sentence(display))):
         say(sentence)
 
 
 def _show_best(designs: Designs) -> None:
     """Print the best designs side by side, as many as fit; numbers are never cut."""
-    from fem_seal.studies.display import Display
+    from fem_seal.studies.display import DesignDisplay
     from fem_seal.studies.page import left_out_sentence
 
-    numbers, columns = Display(designs).describe_best(_BEST)
+    display, numbers = DesignDisplay(designs), designs.best(_BEST)
     if designs.about["goals"] and designs.left_out:
-        say(f"{left_out_sentence(designs)}.")
+        say(f"{left_out_sentence(display)}.")
     if not numbers:
         return
-    lines = {"design": [str(number) for number in numbers], **columns}
+    lines = {"design": [str(number) for number in numbers], **display.describe(numbers)}
     labels = max(map(len, lines))
     cells = max(len(text) for line in lines.values() for text in line) + 2
     count = max((shutil.get_terminal_size().columns - labels) // cells, 1)

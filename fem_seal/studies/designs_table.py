@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -76,17 +77,25 @@ class Designs:
     @property
     def confidence(self) -> float:
         """Probability to pass that a constraint asks for, or that is usual."""
-        return CONFIDENT if self.asked_confidence is None else self.asked_confidence
+        return self.allowed(PASSES)[0]
 
-    @property
-    def asked_confidence(self) -> float | None:
-        """Probability to pass that a constraint asks for; None where none does."""
+    def allowed(self, name: str) -> tuple[float, float]:
+        """Between which values of a column a design keeps the requirement and the constraints [SI]."""
+        is_rate = name.startswith("leak_rate") and name.endswith("_m3_per_s")
+        low = 1.0 if name == "margin" else -math.inf
+        high = self.limit if is_rate and self.limit is not None else math.inf
         for text in self.about["constraints"].values():
-            first, second = Constraint(text).sides
+            constraint = Constraint(text)
+            first, second = constraint.sides
             for side, opposite in ((first, second), (second, first)):
-                if side.what == PASSES and not opposite.names:
-                    return opposite.number({})
-        return None
+                if side.what != name or opposite.names:
+                    continue
+                end = opposite.number({})
+                if constraint.is_met({name: end - abs(end) - 1.0}):
+                    high = min(high, end)
+                else:
+                    low = max(low, end)
+        return CONFIDENT if name == PASSES and low == -math.inf else low, high
 
     @property
     def parameters_at_edge(self) -> list[str]:
@@ -248,6 +257,28 @@ class Designs:
         """Goals of the designs that count, one column each, to be small; NaN left out."""
         signs = [self.sign(name) for name in self.about["goals"]]
         return (self.goal_values[self.eligible] * signs).dropna()
+
+    @cached_property
+    def passes(self) -> BoolArray:
+        """Which designs that did not fail keep the requirement, often enough where that is known; all without one."""
+        if PASSES in self.successes:
+            return (self.successes[PASSES] >= self.confidence).to_numpy()
+        passing = self.verdict.isin([Verdict.PASS, Verdict.PASS_UNLESS])
+        return (passing | (not self.verdicts)).to_numpy()
+
+    @cached_property
+    def order(self) -> list[int]:
+        """Numbers of the designs that did not fail: those that count and pass first, the best of them above."""
+        keys = (~self.eligible).to_frame("left out").assign(fails=~self.passes)
+        if self.goals.shape[1] == 2:
+            keys["beaten"] = True
+            keys.loc[self.goals.index, "beaten"] = ~pareto_front(self.goals.to_numpy())
+        for name in self.about["goals"]:
+            keys[f"goal {name}"] = self.sign(name) * self.goal_values[name]
+        for name in (PASSES, "margin"):
+            if name in self.successes:
+                keys[name] = -self.successes[name]
+        return [int(number) for number in keys.sort_values(list(keys.columns), kind="stable").index]
 
     def best(self, count: int) -> list[int]:
         """Numbers of the best designs: by the only goal, or the Pareto front of two by the first one.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,28 +12,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_seal.arrays import FloatArray
-from fem_seal.files import own_tables
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs_table import LEAK_RATE, SHARES, Designs
-from fem_seal.units import Unit, kind_of, number, shared_flow_unit, unit_for
+from fem_seal.units import Display, Unit, kind_of, number
+from fem_seal.wording import environment
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-# File in templates/: looks of the plots and words of the page.
-LOOKS = "study.page.toml"
+# File in templates/: looks of the plots.
+LOOKS = "study/looks.toml"
 _NONE = Unit("", 1.0)
 _DISTRIBUTIONS = {"LogUniform": "log-uniform", "LogNormal": "lognormal"}
 # So many values can be named one by one.
 FEW = 8
-# Of designs that count and of those that do not, as in templates/study.page.toml.
+# Of designs that count and of those that do not, as in templates/study/looks.toml.
 BLUE, GREY, RED = "#2f81f7", "#8c959f", "#b3261e"
 
 
 @dataclass(frozen=True, eq=False)
-class Display:
+class DesignDisplay:
     """How the columns of a study and its goals are shown.
 
     Parameters
@@ -42,6 +42,18 @@ class Display:
     """
 
     designs: Designs
+
+    @cached_property
+    def units(self) -> Display:
+        """In which units all quantities are shown: those of the base case."""
+        about, seal = self.designs.about, self.designs.about["seal"]
+        of_flow = Unit(*seal["leak_rate_unit"]) if seal.get("leak_rate_unit") else None
+        return Display(about.get("units") or "field", seal.get("throughputs", False), of_flow)
+
+    @property
+    def words(self) -> Any:
+        """What the page says, macro by macro."""
+        return study_words(self.units)
 
     def title(self, name: str) -> str:
         """What a column is called: a parameter or a response in words, without its SI unit; a formula by its name.
@@ -84,24 +96,63 @@ class Display:
         """The same to be drawn: zeros stand below all other numbers of a logarithmic axis."""
         if not self.logarithmic(name):
             return self.values(rows, name)
-        whole = self.numbers(name).to_numpy(dtype=float)
-        column = dict(
-            zip(self.numbers(name).index, self.convert(name, lift_zeros(whole)).tolist(), strict=True)
-        )
-        return [column[row] if math.isfinite(column[row]) else None for row in rows]
+        lifted = dict(zip(self.numbers(name).index, self._lifted(name).tolist(), strict=True))
+        return [lifted[row] if math.isfinite(lifted[row]) else None for row in rows]
+
+    def _lifted(self, name: str) -> FloatArray:
+        return lift_zeros(self.convert(name, self.numbers(name).to_numpy(dtype=float)))
+
+    def places(self, name: str, values: Iterable[Any]) -> list[Any]:
+        """Numbers of a column in its unit as places on an axis that counts decades where it is logarithmic."""
+        if not self.logarithmic(name):
+            return list(values)
+        return [value if value is None else math.log10(value) if value > 0 else -math.inf for value in values]
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Between which values of a column a design keeps the requirement and the constraints, in its unit."""
+        low, high = self.convert(name, self.designs.allowed(name)).tolist()
+        return low, high
+
+    def ticks(self, name: str) -> tuple[list[float], list[str]]:
+        """Places of the marks on the axis of a numeric column, as it is drawn, and their texts."""
+        logarithmic = self.logarithmic(name)
+        column = self._lifted(name) if logarithmic else self.convert(name, self.numbers(name))
+        column = np.unique(column[np.isfinite(column)])
+        if not column.size:
+            return [], []
+        if name in self.designs.parameters and 1 < len(column) <= FEW and _have_room(column, logarithmic):
+            places = column.tolist()
+        else:
+            places = round_numbers(column[0], column[-1], logarithmic=logarithmic)
+        texts = [short_number(place).removeprefix("1·") for place in places]
+        if name in SHARES:
+            texts = [f"{100.0 * place:g} %" for place in places]
+        if not logarithmic or (self.numbers(name) != 0).all():
+            return places, texts
+        zero = self.words.zero(name.startswith("leak_rate"))
+        above = [(place, text) for place, text in zip(places, texts, strict=True) if place > column[0]]
+        return [column[0], *(place for place, _ in above)], [zero, *(text for _, text in above)]
 
     @property
     def sealed_count(self) -> int:
-        """How many designs have no leak rate above zero where others have."""
-        if LEAK_RATE not in self.designs.successes or not self.logarithmic(LEAK_RATE):
+        """How many designs leak nothing, of those whose leak rate may be claimed."""
+        if LEAK_RATE not in self.designs.successes:
             return 0
-        return int((self.designs.successes[LEAK_RATE] == 0).sum())
+        return int(((self.designs.successes[LEAK_RATE] == 0) & ~self.designs.is_outside).sum())
 
     def texts(self, rows: pd.Index, name: str) -> list[str]:
         """A column of some designs as it is written."""
         if name in SHARES:
             return list(map(share_text, self.numbers(name).loc[rows].tolist()))
-        return [short_number(value) if self._numeric(name) else value for value in self.values(rows, name)]
+        if not self._numeric(name):
+            return self.values(rows, name)
+        texts = list(map(short_number, self.values(rows, name)))
+        if name.startswith("leak_rate"):
+            claimed = zip(texts, self.designs.is_outside.loc[rows], strict=True)
+            return [
+                self.words.zero(True) if text == "0" and not outside else text for text, outside in claimed
+            ]
+        return texts
 
     def levels(self, name: str) -> list[str]:
         """Words that a parameter takes, in the order of the user, as they are written."""
@@ -122,7 +173,7 @@ class Display:
 
     def logarithmic(self, name: str) -> bool:
         """Whether a logarithmic axis suits: a parameter by what it was asked to be, anything else by its values."""
-        if not self._numeric(name) or self.unit(name).zero:
+        if not self._numeric(name) or self.unit(name).zero or name in SHARES:
             return False
         if name in self._parameters:
             return _varies_by_factors(self._parameters[name])
@@ -131,14 +182,16 @@ class Display:
     def axis(self, name: str) -> dict[str, Any]:
         """Axis of a plot; always with the same keys, so that one can replace another."""
         kind = ("log" if self.logarithmic(name) else "linear") if self._numeric(name) else "category"
+        places, texts = self.ticks(name) if kind == "log" else (None, None)
         return {
             "title": {"text": self.label(name)},
             "automargin": True,
             "type": kind,
             "autorange": True,
-            "dtick": self._log_step(name) if kind == "log" else None,
-            # without it the marks between powers of ten have one digit each
-            "tickformat": "~g" if kind == "log" else "",
+            "tickmode": "array" if kind == "log" else "auto",
+            "tickvals": places,
+            "ticktext": texts,
+            "tickformat": "~%" if name in SHARES else "",
             "exponentformat": "power",
             "hoverformat": ".4~g",
             "categoryorder": "array",
@@ -156,21 +209,22 @@ class Display:
             for n, *lines in zip(rows.tolist(), *columns, violations, doubts, strict=True)
         ]
 
-    def describe_best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
-        """Numbers of the best designs, and what they are by their labels, as texts.
-
-        Parameters, responses, derived columns and goals, the verdict if there is one, and the validity unless all are
-        valid.
-        """
-        numbers = self.designs.best(count)
-        return numbers, self.describe(numbers)
+    @property
+    def columns(self) -> list[str]:
+        """Columns of a table of the designs: parameters, responses, derived columns and goals."""
+        designs, about = self.designs, self.designs.about
+        return list(
+            dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
+        )
 
     def describe(self, numbers: list[int]) -> dict[str, list[str]]:
-        """What some designs are, as texts by their labels, see `describe_best`."""
-        designs, about = self.designs, self.designs.about
-        names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
+        """What some designs are, as texts by their labels.
+
+        All columns, the verdict if there is one, and the validity unless all are valid.
+        """
+        designs = self.designs
         rows = designs.successes.loc[numbers].index
-        texts = {self.label(name): self.texts(rows, name) for name in names}
+        texts = {self.label(name): self.texts(rows, name) for name in self.columns}
         verdicts = designs.verdict.loc[numbers].tolist()
         texts |= {"verdict": verdicts} if any(verdicts) else {}
         levels = designs.validity.loc[numbers].tolist()
@@ -179,7 +233,7 @@ class Display:
     @cached_property
     def _words(self) -> dict[str, str]:
         """Parameters in words; by their path where two of them would be called the same."""
-        words = {name: parameter_words(name) for name in self.designs.parameters}
+        words = {name: self._parameter_words(name) for name in self.designs.parameters}
         labels = [*words.values(), *(COLUMNS[name].words for name in self.designs.about["responses"])]
         return {name: name if labels.count(label) > 1 else label for name, label in words.items()}
 
@@ -192,12 +246,14 @@ class Display:
         names = dict.fromkeys([*self.designs.successes, *self.designs.goal_values])
         return {name: self._choose_unit(name) for name in names}
 
-    def _log_step(self, name: str) -> str | float:
-        """Marks at all digits, at 1, 2 and 5, or at powers of ten, in plotly's words."""
-        values = self.numbers(name).to_numpy(dtype=float)
-        values = np.log10(values[np.isfinite(values) & (values > 0)])
-        decades = float(np.ptp(values)) if values.size else 0.0
-        return "D1" if decades < 1.0 else "D2" if decades < 4.0 else 1.0
+    def _parameter_words(self, path: str) -> str:
+        """The path of a parameter in words, "seat hardness" of seat.material.hardness."""
+        *tables, key = path.split(".")
+        # lists are counted from one where people read them
+        parts = [
+            str(int(table) + 1) if table.isdecimal() else table for table in tables if table not in _UNSAID
+        ]
+        return " ".join([*parts, self.words.called.get(key, key.replace("_", " "))])
 
     def _numeric(self, name: str) -> bool:
         return self.numbers(name).dtype.kind in "fiu"
@@ -221,9 +277,9 @@ class Display:
         values = np.concatenate([self.numbers(response).to_numpy(dtype=float) for response in names])
         values = np.abs(values[np.isfinite(values)])
         return (
-            shared_flow_unit(values.tolist())
+            self.units.shared_flow_unit(values.tolist())
             if kind == "flow"
-            else unit_for(kind, float(values.max(initial=0.0)))
+            else self.units.unit_for(kind, float(values.max(initial=0.0)))
         )
 
 
@@ -231,24 +287,9 @@ class Display:
 _UNSAID = ("material", "spectrum", "load", "roughness", "interface", "leak", "mesh")
 
 
-def parameter_words(path: str) -> str:
-    """The path of a parameter in words.
-
-    Parameters
-    ----------
-    path : str
-
-    Examples
-    --------
-    >>> [parameter_words(one) for one in ("seat.angle", "load.applied_force", "seat.material.hardness")]
-    ['seat angle', 'applied force', 'seat hardness']
-    >>> parameter_words("form.seat.harmonics.0.amplitude")
-    'form seat harmonics 1 amplitude'
-    """
-    *tables, key = path.split(".")
-    # lists are counted from one where people read them
-    parts = [str(int(table) + 1) if table.isdecimal() else table for table in tables if table not in _UNSAID]
-    return " ".join([*parts, own_tables(LOOKS)["called"].get(key, key.replace("_", " "))])
+def study_words(units: Display) -> Any:
+    """Sentences and names of templates/study/words.j2."""
+    return environment(units).get_template("study/words.j2").module
 
 
 def short_number(value: float | None, digits: int = 4) -> str:
@@ -300,16 +341,50 @@ def lift_zeros(values: FloatArray) -> FloatArray:
     return np.where(values == 0, _ZERO_STEP * positive.min(), values) if positive.size else values
 
 
+def round_numbers(low: float, high: float, *, logarithmic: bool) -> list[float]:
+    """About five round numbers from `low` to `high` for the marks of an axis, or more on a logarithmic one.
+
+    Examples
+    --------
+    >>> round_numbers(0.5, 3.2, logarithmic=False)
+    [1.0, 2.0, 3.0]
+    >>> round_numbers(0.4, 7.0, logarithmic=True), round_numbers(3e-9, 8.0, logarithmic=True)
+    ([0.5, 1.0, 2.0, 5.0], [1e-08, 1e-06, 0.0001, 0.01, 1.0])
+    """
+    if not logarithmic:
+        step = (high - low or abs(low) or 1.0) / 5.0
+        power = 10.0 ** math.floor(math.log10(step))
+        step = power * next(size for size in (1.0, 2.0, 5.0, 10.0) if size * power >= 0.99 * step)
+        return [float(f"{step * n:.12g}") for n in range(math.ceil(low / step), math.floor(high / step) + 1)]
+    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
+    apart = -(-(last - first) // 8)
+    digits = range(1, 10) if high < 5.0 * low else (1, 2, 5) if last - first <= 3 else (1,)
+    numbers = [
+        float(f"{n}e{power}") for power in range(first, last + 1) if power % apart == 0 for n in digits
+    ]
+    return [size for size in numbers if 0.999 * low <= size <= 1.001 * high]
+
+
+def _have_room(places: FloatArray, logarithmic: bool) -> bool:
+    """Whether marks at all of these places are as far apart as their texts are high."""
+    places = np.log10(places) if logarithmic else places
+    return bool(np.diff(places).min() >= 0.05 * np.ptp(places))
+
+
 def _varies_by_factors(parameter: dict[str, Any]) -> bool:
-    """Whether a parameter was meant to vary by factors and not by differences."""
+    """Whether a parameter was meant to vary by factors and not by differences; a zero may stand beside three others."""
     low, high = parameter["bounds"]
-    factor = high / low if low > 0 else 1.0
     if parameter["distribution"]:
+        factor = high / low if low > 0 else 1.0
         return factor > {"LogUniform": 2.0, "LogNormal": 10.0}.get(parameter["distribution"], math.inf)
     levels = np.sort(np.asarray(parameter["levels"], dtype=float))
+    positive = levels[levels > 0]
+    if low < 0 or not positive.size or (low == 0 and len(positive) < 3):
+        return False
+    factor = high / positive[0]
     if factor < 2.0 or len(levels) < 3:
-        return factor > 10.0
-    return _is_evenly_spaced(np.log(levels)) or (factor > 10.0 and not _is_evenly_spaced(levels))
+        return bool(factor > 10.0)
+    return _is_evenly_spaced(np.log(positive)) or bool(factor > 10.0 and not _is_evenly_spaced(levels))
 
 
 def _is_evenly_spaced(values: FloatArray) -> bool:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from fem_seal.arrays import BoolArray, FloatArray
+from fem_seal.arrays import FloatArray
 from fem_seal.files import own_tables
 from fem_seal.output.notebook import table_html
 from fem_seal.output.pictures.style import style
@@ -31,10 +30,8 @@ from fem_seal.studies.display import (
     GREY,
     LOOKS,
     RED,
-    Display,
+    DesignDisplay,
     lift_zeros,
-    short_number,
-    spans_a_decade,
 )
 
 if TYPE_CHECKING:
@@ -44,28 +41,51 @@ if TYPE_CHECKING:
 # More points than these make a page slow and its plots a blot; a regular part of the designs is drawn then.
 MOST_POINTS = 5000
 _LINE = {"color": RED, "dash": "dash", "width": 1.5}
-# Part of the colours that stands for designs that do not count.
-_GREY_SHARE = 0.08
 
 
-def thin_designs(table: pd.DataFrame) -> pd.DataFrame:
+def thin_designs(table: pd.DataFrame, most: int = MOST_POINTS) -> pd.DataFrame:
     """The designs that are drawn: all, or a regular part of many."""
-    step = -(-len(table) // MOST_POINTS)
-    return table if step <= 1 else table.iloc[::step]
+    return table.iloc[:: -(-len(table) // most) or 1]
+
+
+def main_output(designs: Designs) -> str:
+    """The leak rate, or what else stands first."""
+    outputs = [name for name in designs.outputs if designs.successes[name].notna().any()]
+    return LEAK_RATE if LEAK_RATE in outputs else (outputs or [""])[0]
+
+
+def by_influence(display: DesignDisplay, names: Sequence[str]) -> list[str]:
+    """Parameters with different values, the one first that explains most of the variance of the main output.
+
+    That is the part of the variance between groups of designs with about the same value of the parameter.
+    """
+    import pandas as pd
+
+    rows, output = display.designs.successes.index, main_output(display.designs)
+    column = pd.Series(display.places(output, display.axis_values(rows, output)), index=rows, dtype=float)
+    parts = {}
+    for name in names:
+        values = display.numbers(name)
+        if values.nunique() > FEW:
+            values = pd.qcut(values, FEW, labels=False, duplicates="drop")
+        if values.nunique() > 1:
+            parts[name] = column.groupby(values).transform("mean").var()
+    return sorted(parts, key=lambda name: -np.nan_to_num(parts[name]))
 
 
 def _figure(traces: Iterable[dict[str, Any]], look: str, **layout: Any) -> Figure:
     from plotly.graph_objects import Figure
 
     looks = own_tables(LOOKS)
-    return Figure(list(traces), {**looks["layout"], **looks["layouts"][look], **layout})
+    return Figure(list(traces), {**looks["layout"], **looks["layouts"].get(look, {}), **layout})
 
 
-def _trace(look: str, **data: Any) -> dict[str, Any]:
-    return {**own_tables(LOOKS)["traces"][look], **data}
+def _trace(display: DesignDisplay, look: str, **data: Any) -> dict[str, Any]:
+    """A trace with its look and, in the legend, its name."""
+    return {**own_tables(LOOKS)["traces"][look], "name": display.words.legend.get(look, ""), **data}
 
 
-def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[str]) -> dict[str, Any]:
+def _points(display: DesignDisplay, rows: pd.Index, x: str, y: str, names: Iterable[str]) -> dict[str, Any]:
     """Data of a trace with a point for each design, which shows columns when pointed at."""
     return {
         "x": display.axis_values(rows, x),
@@ -74,18 +94,14 @@ def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[st
     }
 
 
-def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
-    """Lines at what may leak, and at how often the requirement is to be kept, across a plot of these columns."""
+def _lines(display: DesignDisplay, x: str = "", y: str = "") -> list[dict[str, Any]]:
+    """Lines at the limits of these columns across a plot of them."""
     lines = []
     for side, other, name in (("x", "y", x), ("y", "x", y)):
-        of_leak = name.startswith("leak_rate") and name.endswith("_m3_per_s")
-        limit = (
-            display.designs.limit if of_leak else display.designs.asked_confidence if name == PASSES else None
-        )
-        if limit is not None:
-            at = float(display.convert(name, limit))
+        for at in filter(math.isfinite, display.limits(name) if name else ()):
             ends = {f"{other}0": 0, f"{other}1": 1, f"{side}0": at, f"{side}1": at}
-            lines.append({"type": "line", "line": _LINE, f"{other}ref": "paper", **ends})
+            label = {"text": display.words.limit(), "font": {"color": RED}, "textposition": "end"}
+            lines.append({"type": "line", "line": _LINE, "label": label, f"{other}ref": "paper", **ends})
     return lines
 
 
@@ -100,105 +116,133 @@ def _groups(designs: Designs, rows: pd.Index) -> list[tuple[str, pd.Index, str]]
     return [group for group in groups if len(group[1])]
 
 
-def response_plot(display: Display) -> Figure | None:
-    """Any output over any parameter, chosen with menus; designs that do not count hollow."""
-    designs = display.designs
-    rows = thin_designs(designs.successes).index
-    outputs = [name for name in designs.outputs if designs.successes[name].notna().any()]
-    if not len(rows) or not outputs:
+def response_plot(display: DesignDisplay) -> Figure | None:
+    """The main output, or another one, over each parameter; designs that do not count hollow."""
+    designs, y = display.designs, main_output(display.designs)
+    names = by_influence(display, designs.parameters)[:FEW] if y else []
+    if not names:
         return None
-    x, y, groups = designs.parameters[0], _main_output(outputs), _groups(designs, rows)
+    outputs = [name for name in designs.outputs if designs.successes[name].notna().any()]
+    groups = _groups(designs, thin_designs(designs.successes, MOST_POINTS // len(names)).index)
     # numbers as they are: what is drawn of a sealed design is a place, no leak rate
-    details = [*designs.parameters, *outputs[:FEW]]
+    details, wide = [*designs.parameters, *outputs[:FEW]], min(len(names), 3)
+    ends = ["", *map(str, range(2, len(names) + 1))]
 
-    def menu(side: str, names: list[str], **place: Any) -> dict[str, Any]:
-        buttons = [
-            {
-                "label": display.label(name),
-                "method": "update",
-                "args": [
-                    {side: [display.axis_values(group, name) for _, group, _ in groups]},
-                    {f"{side}axis.{key}": value for key, value in display.axis(name).items()}
-                    | ({"shapes": _lines(display, y=name)} if side == "y" else {}),
-                ],
-            }
-            for name in names
-        ]
-        return {"buttons": buttons, "y": 1.2, **place}
+    def of_output(output: str) -> dict[str, Any]:
+        axis, lines = display.axis(output), _lines(display, y=output)
+        inner = axis | {"title": {"text": ""}, "matches": "y"}
+        axes = {
+            f"yaxis{end}": inner if n % wide else axis | inner | {"title": axis["title"]}
+            for n, end in enumerate(ends)
+        }
+        shapes = [line | {"xref": f"x{end} domain", "yref": f"y{end}"} for end in ends for line in lines]
+        return {**axes, "yaxis": axis, "shapes": shapes}
 
     traces = [
-        _trace(look, **_points(display, group, x, y, details), name=name) for name, group, look in groups
+        _trace(display, look, **_points(display, group, name, y, details))
+        | {"xaxis": f"x{end}", "yaxis": f"y{end}", "hoverinfo": "text"}
+        | {"name": title, "legendgroup": title, "showlegend": not end}
+        for name, end in zip(names, ends, strict=True)
+        for title, group, look in groups
     ]
+    buttons = [
+        {
+            "label": display.label(output),
+            "method": "update",
+            "args": [
+                {"y": [display.axis_values(group, output) for _, group, _ in groups] * len(names)},
+                of_output(output),
+            ],
+        }
+        for output in outputs
+    ]
+    menu = own_tables(LOOKS)["menu"] | {"buttons": buttons, "active": outputs.index(y)}
+    rows = -(-len(names) // wide)
     return _figure(
-        [{**trace, "type": "scattergl", "hoverinfo": "text"} for trace in traces],
+        traces,
         "responses",
-        xaxis=display.axis(x),
-        yaxis=display.axis(y),
+        **{f"xaxis{end}": display.axis(name) for name, end in zip(names, ends, strict=True)},
+        **of_output(y),
+        grid={"rows": rows, "columns": wide, "pattern": "independent", "xgap": 0.15, "ygap": 0.3},
+        height=150 + 270 * rows,
         showlegend=designs.has_ineligible,
-        shapes=_lines(display, y=y),
-        updatemenus=[
-            menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(y)),
-            menu("x", designs.parameters, x=1.0, xanchor="right"),
-        ],
+        updatemenus=[menu] if len(outputs) > 1 else [],
     )
 
 
-def map_plot(display: Display) -> Figure | None:
-    """The main output over the two parameters of a complete grid of two numeric ones."""
-    designs, names = display.designs, display.designs.numeric_parameters
-    if designs.kind != "grid" or len(designs.parameters) != 2 or len(names) != 2:
+def plane(display: DesignDisplay) -> tuple[list[str], pd.Index]:
+    """The two numeric parameters that matter most, and the designs that differ in nothing else.
+
+    Of a grid those are the designs with all other parameters as in the best one, of other plans all designs.
+    """
+    designs, table = display.designs, display.designs.successes
+    names = by_influence(display, designs.numeric_parameters)[:2] if main_output(designs) else []
+    if len(names) == 2 and designs.kind == "grid":
+        names.sort(key=designs.parameters.index)
+        fixed = [name for name in designs.parameters if name not in names]
+        table = table[(table[fixed] == table.loc[designs.order[0], fixed]).all(axis=1)]
+    return names, table.index
+
+
+def plane_plot(display: DesignDisplay) -> Figure | None:
+    """The main output over the two parameters that matter most: contours of a grid, else points in colours."""
+    designs, (names, rows) = display.designs, plane(display)
+    if len(names) < 2:
         return None
-    output = _main_output(designs.outputs)
-    grid = designs.successes.drop_duplicates(names)
-    table = grid.pivot(index=names[1], columns=names[0], values=output)
-    if min(table.shape) < 2 or table.size > 200_000 or not np.isfinite(table.to_numpy(dtype=float)).any():
-        return None
-    values = display.convert(output, table)
-    logarithmic = spans_a_decade(values)
-    z = np.log10(lift_zeros(values)) if logarithmic else values
-    bar: dict[str, Any] = {"title": {"text": display.label(output), "side": "right"}}
-    steps: dict[str, float] = {}
-    if logarithmic:
-        ticks = np.linspace(np.nanmin(z), np.nanmax(z), 9)
-        bar |= {"tickvals": ticks.tolist(), "ticktext": _ticks(10**ticks, values)}
-        steps = {"start": float(ticks[1]), "end": float(ticks[-2]), "size": float(ticks[1] - ticks[0])}
+    output, (x, y) = main_output(designs), names
+    ticks, texts = display.ticks(output)
+    bar = {"title": {"text": display.label(output), "side": "right"}, "ticktext": texts}
+    bar["tickvals"] = display.places(output, ticks)
+    layout = {"xaxis": display.axis(x), "yaxis": display.axis(y)}
+    crosses = [
+        _trace(display, "crosses", **_points(display, group, x, y, [*names, output]))
+        for _, group, look in _groups(designs, rows)
+        if look == "not_counting"
+    ]
+    grid = designs.successes.loc[rows].drop_duplicates(names)
+
+    def matrix(values: Sequence[Any]) -> list[list[Any]]:
+        cells = grid.assign(cell=values).pivot(index=y, columns=x, values="cell").astype(object)
+        return cells.where(cells.notna(), None).to_numpy().tolist()
+
+    def heights(which: pd.Index, name: str) -> list[Any]:
+        return display.places(name, display.axis_values(which, name))
+
+    if designs.kind != "grid" or min(grid[names].nunique()) < 2 or len(grid) > 200_000:
+        rows = thin_designs(designs.successes.loc[rows]).index
+        points = _trace(display, "points", **_points(display, rows, x, y, [*names, output]))
+        low, high = display.limits(output)
+        kept = [value is not None and low <= value <= high for value in display.values(rows, output)]
+        line = {"width": 1.5, "color": [GREY if keeps else RED for keeps in kept]}
+        points["marker"] = points["marker"] | {"color": heights(rows, output), "colorbar": bar, "line": line}
+        return _figure([points, *crosses], "map", **layout)
     contour = _trace(
+        display,
         "map",
-        x=display.convert(names[0], table.columns).tolist(),
-        y=display.convert(names[1], table.index).tolist(),
-        z=_replace_nan(z),
-        customdata=_replace_nan(values),
+        x=sorted(set(display.axis_values(grid.index, x))),
+        y=sorted(set(display.axis_values(grid.index, y))),
+        z=matrix(heights(grid.index, output)),
+        customdata=matrix(display.texts(grid.index, output)),
         colorbar=bar,
-        contours=steps,
     )
     # a usual surface within the limit says little where it is known how often all of them keep it
-    chances = PASSES in designs.successes
-    of_line = grid.pivot(index=names[1], columns=names[0], values=PASSES).to_numpy() if chances else z
-    levels = [line["y0"] for line in _lines(display, y=output)]
-    levels = [designs.confidence] if chances else [math.log10(y) if logarithmic else y for y in levels]
+    judged = PASSES if PASSES in designs.successes else output
     limits = [
         {
             **contour,
-            "z": _replace_nan(of_line),
-            "contours": {"start": at, "end": at, "size": 1.0, "coloring": "none"},
-            "line": _LINE,
+            "z": matrix(heights(grid.index, judged)),
+            "line": {**_LINE, "width": 3},
             "showscale": False,
-            "showlegend": False,
         }
-        for at in levels
+        | {"contours": {"start": at, "end": at, "size": 1.0, "coloring": "none"}}
+        for at in display.places(judged, display.limits(judged))
+        if math.isfinite(at)
     ]
-    crosses = [
-        _trace("crosses", **_points(display, rows, names[0], names[1], [*names, output]), name=name)
-        for name, rows, look in _groups(designs, designs.successes.index)
-        if look == "not_counting"
-    ]
-    return _figure(
-        [contour, *limits, *crosses], "map", xaxis=display.axis(names[0]), yaxis=display.axis(names[1])
-    )
+    return _figure([contour, *limits, *crosses], "map", **layout)
 
 
-def parallel_plot(display: Display) -> Figure | None:
-    """What varies side by side, one line per design; designs that do not count grey."""
+def parallel_plot(display: DesignDisplay) -> Figure | None:
+    """What varies side by side, one line per design; those beyond a limit grey."""
     designs = display.designs
     table = thin_designs(designs.successes)
     inputs = [name for name in designs.parameters if table[name].nunique() > 1]
@@ -206,13 +250,17 @@ def parallel_plot(display: Display) -> Figure | None:
     rows = complete_rows(table, outputs)
     if len(rows) < 2 or len(inputs) + len(outputs) < 2:
         return None
-    dimensions = [_dimension(display, rows, name) for name in [*inputs, *outputs]]
-    main = dimensions[len(inputs) + outputs.index(_main_output(outputs))] if outputs else dimensions[0]
-    meets = designs.eligible.loc[rows].to_numpy()
+    names = [*inputs, *outputs]
+    dimensions = [_dimension(display, rows, name) for name in names]
+    main = dimensions[names.index(main_output(designs)) if main_output(designs) in names else 0]
     if designs.has_ineligible:
         label = "counts" if designs.left_out else "meets the constraints"
-        dimensions.append(_words_axis(label, ["no", "yes"], meets.astype(int).tolist()))
-    lines = _trace("parallel", dimensions=dimensions, line=_colours(main, meets))
+        counts = designs.eligible.loc[rows].astype(int).tolist()
+        dimensions.append(_words_axis(label, ["no", "yes"], counts) | {"constraintrange": [0.9, 1.1]})
+    bar = {key: main[key] for key in ("tickvals", "ticktext")}
+    line = {"color": main["values"], "colorbar": bar | {"title": {"text": main["label"], "side": "right"}}}
+    look = own_tables(LOOKS)["traces"]["parallel"]
+    lines = _trace(display, "parallel", dimensions=dimensions, line={**look["line"], **line})
     return _figure([lines], "parallel")
 
 
@@ -232,75 +280,41 @@ def _words_axis(label: str, words: list[str], values: list[int]) -> dict[str, An
     }
 
 
-def _ticks(numbers: ArrayLike, values: ArrayLike) -> list[str]:
-    """Texts of ticks: the lowest is zero where that is the smallest value."""
-    texts = [short_number(number, 3) for number in np.asarray(numbers, dtype=float).tolist()]
-    return ["0", *texts[1:]] if np.nanmin(np.asarray(values, dtype=float)) == 0 else texts
-
-
-def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
-    """One axis of parallel coordinates: words, or numbers or their logarithms with a few ticks."""
+def _dimension(display: DesignDisplay, rows: pd.Index, name: str) -> dict[str, Any]:
+    """One axis of parallel coordinates: words, or numbers or their logarithms, with what is allowed as a range."""
     places = display.axis_values(rows, name)
     if isinstance(places[0], str):
         # the description of a study lists the first words of very many only
         words = list(dict.fromkeys([*display.levels(name), *places]))
         return _words_axis(display.label(name), words, [words.index(word) for word in places])
-    scale = np.log10 if display.logarithmic(name) else np.asarray
-    values = scale(np.array(places, dtype=float))
-    ticks = np.linspace(values.min(), values.max(), 6)
-    numbers = (10**ticks if display.logarithmic(name) else ticks).tolist()
-    places_once = scale(np.array(sorted(set(places))))
-    # as far apart as their texts are high
-    has_room = np.diff(places_once).min(initial=np.inf) >= 0.05 * np.ptp(places_once)
-    if name in display.designs.parameters and len(places_once) <= FEW and has_room:
-        numbers, ticks = sorted(set(places)), places_once
+    values, (ticks, texts) = display.places(name, places), display.ticks(name)
+    ends = display.places(name, display.limits(name))
+    # where none keeps the limit the axis goes on to it
+    first, last = min(*values, ends[1]), max(*values, ends[0])
+    low, high = max(ends[0], first), min(ends[1], last)
+    step = 1e-6 * (last - first)
+    # the range moves to the next marks, what is beyond all of them is cut off, and equal texts fall together
+    marks = [
+        first,
+        last,
+        *([low - step, low] if low > first else []),
+        *([high, high + step] if high < last else []),
+    ]
+    texts_at = {mark: "\u200b" * n for n, mark in enumerate(marks, start=1)}
+    for place, text in zip(display.places(name, ticks), texts, strict=True):
+        texts_at[next((mark for mark in marks if abs(mark - place) < 2.0 * step), place)] = text
+    places = sorted(texts_at)
     return {
         "label": display.label(name),
-        "values": values.tolist(),
-        "tickvals": ticks.tolist(),
-        "ticktext": _ticks(numbers, display.values(rows, name)),
+        "values": values,
+        "range": [first, last],
+        "tickvals": places,
+        "ticktext": [texts_at[place] for place in places],
+        **({"constraintrange": [low, high]} if len(marks) > 2 else {}),
     }
 
 
-def _colours(dimension: dict[str, Any], meets: BoolArray) -> dict[str, Any]:
-    """Colours of lines by one axis; grey, below its smallest value, for designs that do not count."""
-    from plotly.colors import sequential
-
-    values = np.array(dimension["values"], dtype=float)
-    low, high = float(values.min()), float(values.max())
-    ticks, text = list(dimension["tickvals"]), list(dimension["ticktext"])
-    start, floor = 0.0, low
-    scale: list[list[Any]] = []
-    if not meets.all():
-        start, floor = _GREY_SHARE, low - (high - low or 1.0) * _GREY_SHARE / (1 - _GREY_SHARE)
-        values = np.where(meets, values, floor)
-        scale = [[0.0, GREY], [start, GREY]]
-        ticks, text = [0.5 * (floor + low), *ticks], ["does not count", *text]
-    shares = np.linspace(start, 1.0, len(sequential.Viridis)).tolist()
-    scale += [[share, colour] for share, colour in zip(shares, sequential.Viridis, strict=True)]
-    title = {"text": dimension["label"], "side": "right"}
-    return {
-        "color": values.tolist(),
-        "cmin": floor,
-        "cmax": high,
-        "colorscale": scale,
-        "showscale": True,
-        "colorbar": {"title": title, "tickvals": ticks, "ticktext": text},
-    }
-
-
-def _main_output(outputs: list[str]) -> str:
-    return LEAK_RATE if LEAK_RATE in outputs else outputs[0]
-
-
-def _replace_nan(values: Any) -> Any:
-    """Lists with null in place of NaN, which JSON does not know."""
-    array = np.asarray(values, dtype=object)
-    array[~np.isfinite(np.asarray(values, dtype=float))] = None
-    return array.tolist()
-
-
-def pareto_plot(display: Display) -> Figure | None:
+def pareto_plot(display: DesignDisplay) -> Figure | None:
     """Two goals against each other, with the designs that no other surpasses."""
     goals = display.designs.goals
     if goals.shape[1] != 2 or goals.empty:
@@ -313,13 +327,14 @@ def pareto_plot(display: Display) -> Figure | None:
     }
     details = [*names, *display.designs.parameters]
     traces = [
-        _trace(look, **_points(display, rows, names[0], names[1], details)) for look, rows in groups.items()
+        _trace(display, look, **_points(display, rows, names[0], names[1], details))
+        for look, rows in groups.items()
     ]
     axes = {"xaxis": display.axis(names[0]), "yaxis": display.axis(names[1])}
     return _figure(traces, "pareto", shapes=_lines(display, *names), **axes)
 
 
-def search_plot(display: Display) -> Figure | None:
+def search_plot(display: DesignDisplay) -> Figure | None:
     """Each goal of the trials of an optimisation one above the other, with the best one so far."""
     from plotly.subplots import make_subplots
 
@@ -331,6 +346,7 @@ def search_plot(display: Display) -> Figure | None:
     for place, name in enumerate(names, start=1):
         traces = [
             _trace(
+                display,
                 look,
                 type="scatter",
                 x=rows.tolist(),
@@ -345,7 +361,7 @@ def search_plot(display: Display) -> Figure | None:
         best = designs.goals[name].reindex(designs.successes.index).cummin().ffill().dropna()
         so_far = display.convert(name, designs.sign(name) * best)
         so_far = (lift_zeros(so_far) if display.logarithmic(name) else so_far).tolist()
-        traces.append(_trace("best_so_far", x=best.index.tolist(), y=so_far))
+        traces.append(_trace(display, "best_so_far", x=best.index.tolist(), y=so_far))
         for trace in traces:
             figure.add_trace({**trace, "showlegend": place == 1}, row=place, col=1)
         figure.update_yaxes(display.axis(name), row=place, col=1)
@@ -356,7 +372,7 @@ def search_plot(display: Display) -> Figure | None:
     return figure
 
 
-def distribution_plot(display: Display) -> Figure | None:
+def distribution_plot(display: DesignDisplay) -> Figure | None:
     """How often which leak rate occurs, and the share of the designs that leak less."""
     rows_done = display.designs.successes
     if LEAK_RATE not in rows_done or rows_done[LEAK_RATE].dropna().empty:
@@ -376,6 +392,7 @@ def distribution_plot(display: Display) -> Figure | None:
     edges[0], edges[-1] = min(edges[0], leak_rate[0]), max(edges[-1], leak_rate[-1])
     counts, _ = np.histogram(leak_rate, edges)
     bars = _trace(
+        display,
         "share_between",
         x=(0.5 * (edges[1:] + edges[:-1])).tolist(),
         y=(counts / len(leak_rate)).tolist(),
@@ -384,21 +401,26 @@ def distribution_plot(display: Display) -> Figure | None:
     others = [
         # in the unit of the other curve
         _trace(
+            display,
             "share_below_beside",
             **cumulative_shares(np.sort(display.convert(LEAK_RATE, rates))),
-            name=f"share below, surface {SCENARIOS[name].title}",
+            name=display.words.share_below(SCENARIOS[name].title),
         )
         for name, rates in other_leak_rates(display.designs).items()
     ]
-    curve = _trace("share_below", **cumulative_shares(leak_rate))
+    curve = _trace(display, "share_below", **cumulative_shares(leak_rate))
     axis = display.axis(LEAK_RATE)
-    return _figure([bars, curve, *others], "distribution", xaxis=axis, shapes=_lines(display, x=LEAK_RATE))
+    share = display.words.share(display.designs.has_distribution).lower()
+    y_axis = own_tables(LOOKS)["layouts"]["distribution"]["yaxis"] | {"title": {"text": share}}
+    lines = _lines(display, x=LEAK_RATE)
+    return _figure([bars, curve, *others], "distribution", xaxis=axis, yaxis=y_axis, shapes=lines)
 
 
-def sensitivity_plot(display: Display, indices: Sensitivity) -> Figure:
+def sensitivity_plot(display: DesignDisplay, indices: Sensitivity) -> Figure:
     """Bars of both indices of every parameter, the one that matters most above."""
     of, size, unit = scale(display, indices)
-    words, places = own_tables(LOOKS)["sensitivity"][indices.method], indices.order
+    places, axis = indices.order, display.words.sensitivity_axis(indices.method, of, unit)
+    bar_names = display.words.sensitivity_columns(indices.method, "").split(" | ")
 
     def bars(look: str, name: str, values: FloatArray, errors: FloatArray) -> dict[str, Any]:
         ends = {
@@ -407,20 +429,20 @@ def sensitivity_plot(display: Display, indices: Sensitivity) -> Figure:
             "visible": bool((errors > 0).any()),
         }
         titles = [display.title(indices.parameters[n]) for n in places]
-        return _trace(look, y=titles, x=(values[places] / size).tolist(), name=name, error_x=ends)
+        return _trace(display, look, y=titles, x=(values[places] / size).tolist(), name=name, error_x=ends)
 
     return _figure(
         [
-            bars("first_index", words["bars"][0], indices.first, indices.first_error),
-            bars("second_index", words["bars"][1], indices.total, indices.total_error),
+            bars("first_index", bar_names[0], indices.first, indices.first_error),
+            bars("second_index", bar_names[2], indices.total, indices.total_error),
         ],
         "sensitivity",
         height=170 + 55 * len(indices.parameters),
-        xaxis={"title": {"text": words["axis"].format(of=of, unit=unit)}},
+        xaxis={"title": {"text": axis}},
     )
 
 
-def scale(display: Display, indices: Sensitivity) -> tuple[str, float, str]:
+def scale(display: DesignDisplay, indices: Sensitivity) -> tuple[str, float, str]:
     """What was analysed in words, the size of its unit, and the unit in brackets; indices and logarithms have none."""
     title = display.title(indices.output)
     if indices.logarithmic:
@@ -445,7 +467,7 @@ def preview(designs: Designs) -> str:
 def _picture(designs: Designs) -> str:
     from matplotlib.figure import Figure
 
-    display = Display(designs)
+    display = DesignDisplay(designs)
     x, y = designs.parameters[0], designs.outputs[0]
     rows = designs.successes.index
     counts = designs.eligible.loc[rows].to_numpy()

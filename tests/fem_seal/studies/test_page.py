@@ -13,9 +13,9 @@ from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.studies import plots
 from fem_seal.studies.designs import unit_points
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
-from fem_seal.studies.display import Display, short_number
+from fem_seal.studies.display import DesignDisplay, short_number
 from fem_seal.studies.expressions import Constraint
-from fem_seal.studies.page import page, sections
+from fem_seal.studies.page import page, passing_words, sections
 from fem_seal.studies.results import dataset
 from fem_seal.studies.tables import Design
 
@@ -92,18 +92,20 @@ def headings(designs):
 
 @pytest.mark.parametrize("design", [{"kind": "morris", "num": 8}, {"optimise": True}])
 def test_shares_are_left_out_where_they_mean_nothing(design):
-    shares = {"Distribution of the leak rate", "Leakage classes"}
+    shares = {"Probability by leak rate", "Leakage classes"}
     assert shares <= set(headings(forces(design={"kind": "latin-hypercube"})))
     assert not shares & set(headings(forces(design=design)))
 
 
 def test_shares_say_what_they_are_shares_of():
     designs = forces(design={"kind": "latin-hypercube"})
-    assert "of 40 calculated designs;" in headings(designs)["Distribution of the leak rate"].note
+    assert "of 40 calculated designs." in headings(designs)["Probability by leak rate"].note
     part = made([FORCE], dict(forces().table.iloc[:, 2:]), failed=(0, 7))
-    for heading in ("Distribution of the leak rate", "Leakage classes"):
+    for heading in ("Probability by leak rate", "Leakage classes"):
         assert "of 38 calculated designs; 2 failed ones not counted" in headings(part)[heading].note
-    assert "no probability" in headings(angles())["Distribution of the leak rate"].note
+    # a probability only of designs that were drawn
+    chosen = headings(angles())["Share of the designs by leak rate"]
+    assert chosen.folded and chosen.columns[0] == "share of the designs below"
 
 
 def test_a_standard_without_a_class_says_so():
@@ -117,7 +119,7 @@ def test_a_standard_without_a_class_says_so():
 
 
 def test_designs_that_violate_constraints_look_different():
-    display = Display(angles())
+    display = DesignDisplay(angles())
     good, bad = plots.response_plot(display).data
     assert (len(good.x), bad.name, bad.marker.symbol) == (2, "violates a constraint", "circle-open")
     assert bad.x == pytest.approx([60])
@@ -129,17 +131,22 @@ def test_designs_that_violate_constraints_look_different():
 
 
 def test_parallel_coordinates_show_the_verdict():
-    (lines,) = plots.parallel_plot(Display(angles())).data
+    (lines,) = plots.parallel_plot(DesignDisplay(angles())).data
     verdict = lines.dimensions[-1]
     assert (verdict.label, verdict.ticktext, list(verdict["values"])) == (
         "meets the constraints",
         ("no", "yes"),
         [1, 1, 0],
     )
-    colours, low = np.array(lines.line.color), min(lines.dimensions[2]["values"])
-    assert colours[2] == lines.line.cmin < low <= colours[:2].min()
-    assert lines.line.colorscale[0][1] == lines.line.colorscale[1][1] == "#8c959f"
-    free = plots.parallel_plot(Display(angles(constraints={}))).data[0]
+    low, high = verdict.constraintrange
+    assert 0 < low < 1 < high
+    pressure = next(one for one in lines.dimensions if one.label == "peak pressure [MPa]")
+    assert pressure.constraintrange == pytest.approx((20, 40))
+    # the range moves to the marks beside its ends: one stands at the limit
+    assert np.abs(np.array(pressure.tickvals) - 40).min() < 1e-9 and len(set(pressure.ticktext)) == len(
+        pressure.ticktext
+    )
+    free = plots.parallel_plot(DesignDisplay(angles(constraints={}))).data[0]
     assert [one.label for one in free.dimensions] == [
         "seat angle [°]",
         "peak pressure [MPa]",
@@ -156,12 +163,9 @@ def test_map_marks_designs_that_violate_constraints():
         LEAK_RATE: np.geomspace(1, 100, 6) * ML,
     }
     designs = made([ANGLE, force], columns, constraints={"gentle": 'peak_pressure_Pa < "40 MPa"'})
-    contour, crosses = plots.map_plot(Display(designs)).data
+    contour, crosses = plots.plane_plot(DesignDisplay(designs)).data
     assert crosses.x == pytest.approx([45, 60, 60])
-    # lines between colours stand where the scale has its marks
-    marks = contour.colorbar.tickvals
-    assert contour.contours.start == pytest.approx(marks[1])
-    assert contour.contours.size == pytest.approx(marks[1] - marks[0])
+    assert np.array(contour.z) == pytest.approx(np.log10(np.geomspace(1, 100, 6)).reshape(3, 2).T)
 
 
 # ---------------------------------------------------------------- words, axes, units
@@ -176,10 +180,10 @@ def test_words_and_truth_values_have_axes():
         LEAK_RATE: [ML, 2 * ML, 3 * ML],
     }
     designs = made([law, plastic], columns, goals={LEAK_RATE: LEAK_RATE})
-    first, second, _ = plots.parallel_plot(Display(designs)).data[0].dimensions
+    first, second, _ = plots.parallel_plot(DesignDisplay(designs)).data[0].dimensions
     assert (first.ticktext, list(first["values"])) == (("spectrum", "exponential"), [1, 0, 0])
     assert (second.ticktext, list(second["values"])) == (("yes", "no"), [1, 1, 0])
-    figure = plots.response_plot(Display(designs))
+    figure = plots.response_plot(DesignDisplay(designs))
     assert (figure.layout.xaxis.type, figure.layout.xaxis.categoryarray) == (
         "category",
         ("spectrum", "exponential"),
@@ -201,12 +205,14 @@ def test_words_and_truth_values_have_axes():
         ({"levels": [1.0, 5.0, 60.0]}, True),
         ({"levels": [1.0, 2.0, 5.0]}, False),
         ({"levels": [0.0, 1.0, 100.0]}, False),
+        ({"levels": [0.0, 1.0, 10.0, 100.0]}, True),
+        ({"levels": [-1.0, 1.0, 10.0, 100.0]}, False),
     ],
 )
 def test_a_parameter_has_the_axis_that_it_was_varied_on(varied, logarithmic):
     # samples that span a factor of ten, whatever they were drawn from
     columns = {"load.applied_force": [1.0, 4.0, 16.0], LEAK_RATE: [ML, 2 * ML, 3 * ML]}
-    display = Display(made([parameter("load.applied_force", "N", **varied)], columns))
+    display = DesignDisplay(made([parameter("load.applied_force", "N", **varied)], columns))
     assert display.logarithmic("load.applied_force") is logarithmic
     assert plots.response_plot(display).layout.xaxis.type == ("log" if logarithmic else "linear")
 
@@ -230,7 +236,7 @@ def test_parameters_are_listed_in_the_units_of_the_page():
 
 def test_ticks_stay_within_the_designs_that_did_not_fail():
     designs = made([ANGLE], dict(angles().table[["seat.angle", LEAK_RATE]]), failed=(2,))
-    axis = plots.parallel_plot(Display(designs)).data[0].dimensions[0]
+    axis = plots.parallel_plot(DesignDisplay(designs)).data[0].dimensions[0]
     assert axis.ticktext == ("30", "45")
 
 
@@ -263,7 +269,7 @@ def test_every_response_has_its_unit_in_exports_and_on_the_page():
     assert units.items() >= UNITS.items()
     assert set(units.values()) == set(UNITS.values())
     assert data["load.target_leak_rate"].attrs["units"] == UNITS["leak_rate_m3_per_s"]
-    display = Display(designs)
+    display = DesignDisplay(designs)
     labels = ("leak_rate_Pa_m3_per_s", "leak_rate_kg_per_s", "line_load_N_per_m", "load_steps")
     assert [display.label(name) for name in labels] == [
         "leak rate pV [mbar l/s]",
@@ -275,7 +281,7 @@ def test_every_response_has_its_unit_in_exports_and_on_the_page():
 
 def test_margins_to_opening_are_shown_beside_the_fluid_pressure_in_its_unit():
     columns = {"load.fluid_pressure": [5e5, 8e5], "opening_margin_Pa": [1e5, 3e5]}
-    display = Display(made([parameter("load.fluid_pressure", "Pa", [5e5, 8e5])], columns))
+    display = DesignDisplay(made([parameter("load.fluid_pressure", "Pa", [5e5, 8e5])], columns))
     assert display.label("opening_margin_Pa") == "opening margin [bar]"
     assert display.label("load.fluid_pressure") == "fluid pressure [bar]"
 
@@ -310,14 +316,15 @@ def sensitive(kind, response=PRESSURE):
 def test_inputs_and_constants_have_no_sensitivity(kind):
     designs = sensitive(kind)
     shown = [heading for heading in headings(designs) if heading.startswith("Sensitivity")]
-    assert shown == ["Sensitivity of peak pressure", "Sensitivity of leak rate"]
+    assert shown == ["Sensitivity of leak rate", "Sensitivity of peak pressure"]
+    assert [headings(designs)[heading].folded for heading in shown] == [False, True]
     assert designs.informative_outputs == [PRESSURE, LEAK_RATE]
 
 
 def test_sensitivity_is_legible():
     designs = sensitive("morris")
     found = {one.output: one for one in sensitivities(designs)}
-    linear = plots.sensitivity_plot(Display(designs), found[PRESSURE])
+    linear = plots.sensitivity_plot(DesignDisplay(designs), found[PRESSURE])
     assert linear.layout.xaxis.title.text == "effect on peak pressure [MPa]"
     assert linear.data[0].x == pytest.approx([10, 1])
     section = headings(designs)["Sensitivity of peak pressure"]
@@ -328,12 +335,12 @@ def test_sensitivity_is_legible():
     logarithm = headings(designs)["Sensitivity of leak rate"]
     assert "multiplies or divides leak rate by eˣ" in logarithm.note
     assert logarithm.rows[0][-1] == f"× {short_number(math.exp(3), 3)}"
-    figure = plots.sensitivity_plot(Display(designs), found[LEAK_RATE])
+    figure = plots.sensitivity_plot(DesignDisplay(designs), found[LEAK_RATE])
     assert figure.layout.xaxis.title.text == "effect on ln(leak rate)"
 
     designs = sensitive("sobol-sensitivity")
     one = next(one for one in sensitivities(designs) if one.output == LEAK_RATE)
-    figure = plots.sensitivity_plot(Display(designs), one)
+    figure = plots.sensitivity_plot(DesignDisplay(designs), one)
     assert figure.layout.xaxis.title.text == "share of the variance of ln(leak rate)"
 
 
@@ -351,7 +358,7 @@ def test_a_search_for_two_goals_shows_its_course():
         design={"optimise": True},
     )
     assert "Search" in headings(designs)
-    figure = plots.search_plot(Display(designs))
+    figure = plots.search_plot(DesignDisplay(designs))
     assert figure.layout.yaxis2.title.text == "seat.angle * 2 [SI]"
     small, large = (one for one in figure.data if one.name == "best so far")
     # trials 3 and 4 violate the constraint
@@ -360,7 +367,9 @@ def test_a_search_for_two_goals_shows_its_course():
     assert [list(one.x) for one in figure.data if one.name == "violates a constraint"] == [[3, 4]] * 2
     best = headings(designs)["Best designs"]
     assert "small leak rate and large seat.angle * 2" in best.note
-    assert (best.columns[-1], [row[-1] for row in best.rows]) == ("seat.angle * 2 [SI]", ["1.8", "2"])
+    # those on the front first, then those that violate the constraint
+    assert best.columns[-1] == "seat.angle * 2 [SI]"
+    assert [row[-1] for row in best.rows] == ["1.8", "2", "1.6", "1.4", "1.2"]
 
 
 def test_a_design_that_occurs_twice_is_listed_once():
@@ -419,7 +428,7 @@ def test_parameters_that_would_be_called_the_same_keep_their_paths():
         constraints={},
         derived={},
     )
-    display = Display(designs)
+    display = DesignDisplay(designs)
     assert [display.title(name) for name in names] == [*names[:2], "seat angle"]
 
 
@@ -427,9 +436,9 @@ def test_distribution_comes_first_where_the_designs_were_drawn():
     drawn = parameter("seat.angle", "rad", distribution="Normal", bounds=(0.7, 0.8))
     columns = {"seat.angle": [0.74, 0.78, 0.8], LEAK_RATE: np.array([1.0, 2.0, 3.0]) * ML}
     batch = made([drawn], columns, constraints={}, derived={}, goals={}, design={"kind": "sobol"})
-    assert next(iter(headings(batch))) == "Distribution of the leak rate"
+    assert next(iter(headings(batch))) == "Probability by leak rate"
     chosen = made([ANGLE], {**columns, "seat.angle": ANGLE["levels"]}, constraints={}, derived={}, goals={})
-    assert next(iter(headings(chosen))) != "Distribution of the leak rate"
+    assert next(iter(headings(chosen))) != "Share of the designs by leak rate"
 
 
 # ---------------------------------------------------------------- validity
@@ -453,7 +462,7 @@ def test_front_course_and_best_leave_out_what_is_outside_the_theory():
     designs = judged(made([FORCE], columns, goals=goals, design={"optimise": True}), *LEVELS)
     assert designs.best(10) == [1, 0]
     assert designs.left_out == 2 and designs.levels == {"valid": 1, "doubtful": 1, "outside the theory": 2}
-    display = Display(designs)
+    display = DesignDisplay(designs)
     others, front = plots.pareto_plot(display).data
     assert len(front.x) == 2 and len(others.x) == 0
     course = plots.search_plot(display)
@@ -475,7 +484,7 @@ def test_constraints_and_theory_are_told_apart():
         *LEVELS,
     )
     assert designs.ineligibility == "violate a constraint or are outside the theory"
-    good, bad = plots.response_plot(Display(designs)).data
+    good, bad = plots.response_plot(DesignDisplay(designs)).data
     assert len(good.x) == 1 and bad.name == "violates a constraint or outside the theory"
     assert designs.best(10) == [1]
     none = judged(made([FORCE], FOUR, goals={LEAK_RATE: LEAK_RATE}), *["outside the theory"] * 4)
@@ -486,10 +495,10 @@ def test_no_class_is_claimed_outside_the_theory():
     tight = {"load.applied_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.zeros(4)}
     section = headings(judged(made([FORCE], tight), *LEVELS))["Leakage classes"]
     assert {row[-1] for row in section.rows} == {"50 %"}
-    assert "Outside the theory no class is claimed" in section.note
+    assert "Outside the theory no class is stated" in section.note
     assert (
         "2 of them outside the theory"
-        in headings(judged(made([FORCE], FOUR), *LEVELS))["Distribution of the leak rate"].note
+        in headings(judged(made([FORCE], FOUR), *LEVELS))["Probability by leak rate"].note
     )
 
 
@@ -502,10 +511,10 @@ def test_a_first_order_index_above_the_total_is_called_noise():
     (found, *_) = sensitivities(designs)
     clean = replace(found, first=np.array([0.4, 0.1]), total=np.array([0.8, 0.3]))
     assert not clean.noise.any()
-    section = _index_section(Display(designs), clean)
+    section = _index_section(DesignDisplay(designs), clean)
     assert "noise" not in section.note and not any("noise" in cell for row in section.rows for cell in row)
     noisy = replace(found, first=np.array([0.9, -0.1]), total=np.array([0.8, 0.3]))
-    section = _index_section(Display(designs), noisy)
+    section = _index_section(DesignDisplay(designs), noisy)
     assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
     assert "sampling noise" in section.note
     assert not replace(noisy, method="morris").noise.any()
@@ -517,18 +526,19 @@ def test_designs_that_pass_stand_on_the_first_screen_and_the_limit_in_the_plots(
     columns = {"seat.angle": angles, LEAK_RATE: [1e-9, 4e-9, 3e-8], "pass_probability": [0.97, 0.4, math.nan]}
     designs = made([ANGLE], columns, seal=seal)
     first = next(sections(designs))
-    assert first.heading == "Designs that pass" and [row[0] for row in first.rows] == ["0", "1", "2"]
-    assert "1 of 3 designs leaks less than" in first.note and "of 1 it is not known" in first.note
-    display = Display(designs)
+    assert first.heading == "Designs" and [row[0] for row in first.rows] == ["0", "1", "2"]
+    display = DesignDisplay(designs)
+    words = passing_words(display)
+    assert "1 of 3 designs leaks less than" in words and "of 1 it is not known" in words
     figure = plots.response_plot(display)
     (line,) = figure.layout.shapes
     assert line.y0 == line.y1 == pytest.approx(float(display.convert(LEAK_RATE, 2e-9)))
-    # what is no leak rate has no line
     menu = {button.label: button.args[1] for button in figure.layout.updatemenus[0].buttons}
-    assert [len(args["shapes"]) for args in menu.values()] == [1, 0]
+    lines = [args["shapes"] for args in menu.values()]
+    assert [[one["y0"] for one in each] for each in lines] == [[line.y0], [designs.confidence]]
     assert plots.distribution_plot(display).layout.shapes[0].x0 == line.y0
     text = page(designs, {"done": 3, "failed": 0, "open": 0}, [])
-    assert text.index("Designs that pass") < text.index("Responses over parameters")
+    assert text.index("<h2>Designs<") < text.index("<h2>Leak rate over each parameter")
     # a limit that differs from design to design is no line
     varied = made(
         [{**ANGLE, "name": "requirement.leak_rate"}],
@@ -545,7 +555,7 @@ def test_designs_that_pass_stand_on_the_first_screen_and_the_limit_in_the_plots(
         },
         seal=seal,
     )
-    map_of = plots.map_plot(Display(two))
+    map_of = plots.plane_plot(DesignDisplay(two))
     assert map_of.data[1].contours.start == map_of.data[1].contours.end
 
 
@@ -564,13 +574,13 @@ def test_the_map_has_its_line_where_enough_designs_pass():
     shares = [0.2, 0.8, 0.5, 0.9, 0.7, 0.99]
     for text, level in (("pass_probability >= 0.9", 0.9), ("0.8 <= pass_probability", 0.8)):
         designs = likely_designs(shares, constraints={"safe": text})
-        line = plots.map_plot(Display(designs)).data[1]
+        line = plots.plane_plot(DesignDisplay(designs)).data[1]
         assert (line.contours.start, line.contours.end) == (level, level)
         # forces in the rows, angles in the columns
         assert np.array(line.z).tolist() == [shares[::2], shares[1::2]]
         assert (
             f"Designs on the red line pass with a probability of {100 * level:.1f} %."
-            in headings(designs)["Map"].note
+            in headings(designs)["Leak rate over seat angle and applied force"].note
         )
     assert likely_designs(shares).confidence == 0.95
 
@@ -581,8 +591,8 @@ def test_tiny_shares_are_written_as_such_and_no_design_that_passes_is_said(capsy
     designs = likely_designs(
         [2.9e-170, 0.25, 0.1, 0.31, 0.2, 0.9], constraints={"safe": "pass_probability >= 0.95"}
     )
-    section = headings(designs)["Designs that pass"]
-    assert section.note.startswith(
+    section = headings(designs)["Designs"]
+    assert passing_words(DesignDisplay(designs)).startswith(
         "No design passes with a probability of 95 % or more; the best reaches 90.0 % ("
     )
     cells = [row[section.columns.index("probability to pass")] for row in section.rows]
@@ -616,38 +626,72 @@ def test_a_sealed_design_leaves_the_axes_logarithmic_and_stands_below_all_others
     rates = [0.0, 1e-3 * ML, 1e-2 * ML, 5.0 * ML]
     columns = {"load.applied_force": [200.0, 150.0, 100.0, 0.0], LEAK_RATE: rates}
     designs = made([parameter("load.applied_force", "N", columns["load.applied_force"])], columns)
-    display = Display(designs)
+    display = DesignDisplay(designs)
     assert display.logarithmic(LEAK_RATE) and display.sealed_count == 1
     figure = plots.response_plot(display)
     (points,) = figure.data
     assert figure.layout.yaxis.type == "log" and len(points.y) == 4
     assert 0 < points.y[0] < min(points.y[1:])
     # what is told of it is what it leaks
-    assert points.text[0].endswith("]: 0") and points.hoverinfo == "text"
+    assert points.text[0].endswith("]: sealed") and points.hoverinfo == "text"
+    assert figure.layout.yaxis.ticktext[0] == "sealed" and figure.layout.yaxis.tickvals[0] == points.y[0]
     (axis,) = [one for one in plots.parallel_plot(display).data[0].dimensions if "leak" in one.label]
-    assert axis.ticktext[0] == "0" and np.isfinite(axis.values).all()
+    assert axis.ticktext[0] == "sealed" and np.isfinite(axis["values"]).all()
     assert np.isfinite(plots.distribution_plot(display).data[1].x).all()
     assert plots.distribution_plot(display).layout.xaxis.type == "log"
-    assert "One sealed design stands at the lower end" in headings(designs)["Responses over parameters"].note
+    assert "1 is sealed" in page(designs, {"done": 4, "failed": 0, "open": 0}, [])
     # zeros alone, or beside numbers that fill no decade, ask for no such axis
     flat = made([ANGLE], {"seat.angle": ANGLE["levels"], LEAK_RATE: [0.0, ML, 2.0 * ML]})
-    assert not Display(flat).logarithmic(LEAK_RATE) and Display(flat).sealed_count == 0
+    assert not DesignDisplay(flat).logarithmic(LEAK_RATE)
 
 
 def test_the_map_of_a_study_with_a_sealed_design_has_no_hole():
     designs = likely_designs([0.5] * 6)
     designs.table.loc[0, LEAK_RATE] = 0.0
-    map_of = plots.map_plot(Display(designs)).data[0]
-    assert np.isfinite(np.array(map_of.z, dtype=float)).all() and map_of.colorbar.ticktext[0] == "0"
+    map_of = plots.plane_plot(DesignDisplay(designs)).data[0]
+    assert np.isfinite(np.array(map_of.z, dtype=float)).all() and map_of.colorbar.ticktext[0] == "sealed"
 
 
-@pytest.mark.parametrize(("shares", "first"), [([0.96, 0.99, 0.2, 0.5, 0.1, 0.3], 2), ([0.5] * 6, 6)])
-def test_designs_that_pass_come_first_and_the_others_are_folded(shares, first):
-    designs = likely_designs(shares)
-    section = next(sections(designs))
-    assert section.first == first and len(section.rows) == 6
-    text = page(designs, {"done": 6, "failed": 0, "open": 0}, [])
-    folded = re.findall(r"<details><summary>(.*?)</summary>(.*?)</details>", text, flags=re.DOTALL)
-    assert len(folded) == (first < 6)
-    for summary, table in folded:
-        assert summary == "4 more designs pass less often" and table.count("<tr>") == 5
+def test_designs_that_pass_come_first_and_more_than_ten_are_folded():
+    shares = [0.96, 0.99, 0.2, 0.5, 0.1, 0.3]
+    section = next(sections(likely_designs(shares)))
+    assert [row[0] for row in section.rows] == ["1", "0", "3", "5", "2", "4"]
+    # a goal decides among those that pass, and a constraint before all
+    by_goal = likely_designs(
+        shares, goals={"seat.angle": "-(seat.angle)"}, constraints={"low": "load.applied_force < 50"}
+    )
+    assert by_goal.order == [0, 4, 2, 1, 5, 3]
+    many = forces(goals={LEAK_RATE: LEAK_RATE})
+    text = page(many, {"done": 40, "failed": 0, "open": 0}, [])
+    (folded,) = re.findall(
+        r"<details><summary>30 more designs</summary>(.*?)</details>", text, flags=re.DOTALL
+    )
+    assert folded.count("<tr>") == 31
+    assert many.order == list(range(39, -1, -1))
+
+
+def test_sorting_goes_by_numbers_in_si_and_by_rank():
+    designs = judged(made([FORCE], FOUR, goals={LEAK_RATE: LEAK_RATE}), *LEVELS)
+    section = headings(designs)["Best designs"]
+    assert section.keys[0] == pytest.approx((1, 20.0, 3 * ML, 1))
+    assert [keys[-1] for keys in section.keys] == [1, 0, 2, 2]
+
+
+def test_the_plane_is_that_of_the_parameters_that_matter_through_the_best_design():
+    """Of a product of powers the exponents say which matter."""
+    grid = np.array(np.meshgrid([1.0, 2.0, 4.0], [1.0, 2.0, 4.0], [1.0, 2.0, 4.0])).reshape(3, -1)
+    names = ["closure.radius", "load.applied_force", "seat.land_width"]
+    columns = dict(zip(names, grid, strict=True))
+    columns[LEAK_RATE] = ML * grid[0] ** 3 * grid[1] ** 0.5 * grid[2] ** -2
+    parameters = [parameter(name, "", [1.0, 2.0, 4.0]) for name in names]
+    display = DesignDisplay(made(parameters, columns, goals={LEAK_RATE: LEAK_RATE}))
+    assert plots.by_influence(display, names) == [names[0], names[2], names[1]]
+    chosen, rows = plots.plane(display)
+    assert chosen == [names[0], names[2]] and set(display.numbers(names[1]).loc[rows]) == {1.0}
+    # without a grid all designs are points, red-edged beyond the limit
+    seal = {"nominal_size": 0.025, "gas": False, "fluid": "water", "limit_m3_per_s": 2 * ML}
+    (points,) = plots.plane_plot(
+        DesignDisplay(made(parameters, columns, seal=seal, design={"kind": "sobol"}))
+    ).data
+    assert len(points.x) == 27
+    assert points.marker.line.color.count(plots.RED) == (columns[LEAK_RATE] > 2 * ML).sum()

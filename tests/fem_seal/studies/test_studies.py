@@ -867,9 +867,9 @@ def test_the_page_needs_nothing_but_itself(calculated):
     for heading in (
         "Best designs",
         "Pareto front",
-        "Map",
-        "Responses over parameters",
-        "All designs",
+        "Parameters and results side by side",
+        "Leak rate over rms height and applied force",
+        "Leak rate over each parameter",
         "Leakage classes",
     ):
         assert f"<h2>{heading}</h2>" in page
