@@ -65,11 +65,12 @@ def _version(
 def report(
     folder: terminal.ResultsFolder,
     output: Annotated[Path | None, terminal.output_option("DIR/report.html", "HTML file.", "FILE")] = None,
-    full: Annotated[bool, terminal.option("run", "full")] = False,
+    full: terminal.Full = False,
     quiet: terminal.Quiet = False,
     debug: terminal.Debug = False,
 ) -> None:
     """Draw the report of a results folder again, without calculating."""
+    from fem_seal.answers.variants import INTERFACE_VARIANTS
     from fem_seal.output.report.page import write_report
     from fem_seal.output.stored import read_result
 
@@ -80,6 +81,8 @@ def report(
     _warn_of_unfinished_designs(folder)
     if not quiet:
         terminal.say(f"report in {file}")
+        if full and result.surface is not None and INTERFACE_VARIANTS.name not in result.answers:
+            terminal.tell("Only `fem-seal run CASE.toml --full` compares theories and interface laws.")
 
 
 @app.command()
@@ -149,7 +152,7 @@ def run(
     case_file: terminal.CaseFile,
     output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
     sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
-    full: Annotated[bool, terminal.option("run", "full")] = False,
+    full: terminal.Full = False,
     details: terminal.Details = False,
     all_columns: terminal.AllColumns = False,
     quiet: terminal.Quiet = False,

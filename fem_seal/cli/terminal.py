@@ -70,6 +70,7 @@ Quiet = Annotated[bool, option("common", "quiet")]
 Json = Annotated[bool, json_option()]
 Details = Annotated[bool, option("common", "details")]
 AllColumns = Annotated[bool, option("common", "all_columns")]
+Full = Annotated[bool, option("common", "full")]
 Debug = Annotated[bool, option("common", "debug")]
 
 

@@ -139,9 +139,12 @@ def read_result(folder: Path) -> SealSolution:
                 raise pickle.UnpicklingError(type(result).__name__)
             return result
     except FileNotFoundError:
-        raise InputError.at(
-            str(folder), f"holds no {FILE}; `fem-seal run CASE.toml -o DIR` writes one"
-        ) from None
+        way = (
+            "study report DIR` draws that"
+            if (folder / "study.sqlite").exists()
+            else "run CASE.toml` writes one"
+        )
+        raise InputError.at(str(folder), f"holds no {FILE}; `fem-seal {way}") from None
     except InputError:
         raise
     except Exception as error:  # a damaged pickle can raise any

@@ -18,6 +18,7 @@ from fem_seal.output.answers.error_shares import largest_share, measurement_in_b
 from fem_seal.output.answers.form import form_in_brief
 from fem_seal.output.answers.sensitivities import in_words
 from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
+from fem_seal.output.answers.support import is_by_paper, supported_by, theory_in_brief
 from fem_seal.output.answers.target import OPENS, TARGET_FORCE, target_in_brief, valve_facts
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import (
@@ -66,7 +67,8 @@ def lines_in_brief(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     requested = (line(result) for is_asked, line in _REQUESTED.items() if is_asked(result))
-    return list(filter(None, (first_line(result), *requested, second_line(result))))
+    theory, support = theory_in_brief(result), supported_by(result)
+    return list(filter(None, (first_line(result), *theory, *requested, second_line(result), *support)))
 
 
 def missing_in_brief(result: SealSolution) -> str:
@@ -99,12 +101,14 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
         return phrase("brief.first", "none", load=at)
     if found.outside:
         return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
-    rate = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
+    by_paper = is_by_paper(load)
+    told_rate, digits = (load.leak.leak_rate, 2) if by_paper else (rate_of(load), load.leak_digits)
+    rate = leak_range_text(told_rate, digits, volume=volume)
     classes = leakage_classes(case, load)
     met = ", ".join(str(one) for one in classes if one.name)
     ends = load.leak_interval or (load.leak.leak_rate,)
     sealed = not volume.measurable(max(ends))
-    key = "tested" if load.tested else "tight" if sealed else "leaks"
+    key = "tested" if load.tested else "tight" if sealed else "leaks_by_paper" if by_paper else "leaks"
     told = phrase(
         "brief.first",
         key,

@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from sample_results import gasket_result, rough_result
+from sample_results import case, gasket_result, rough_result, run_loads
 
 from fem_seal.cli import app as cli
 from fem_seal.output import stored
@@ -82,6 +82,19 @@ def test_what_is_no_result_is_refused(content, reason, tmp_path, monkeypatch, ca
     error = capsys.readouterr().err
     assert reason in error and "run" in error
     assert {path.name for path in tmp_path.iterdir()} <= {stored.FILE}
+
+
+def test_the_full_report_says_what_only_a_full_run_calculates(tmp_path, capsys):
+    folder = run_loads(case(load={"fluid_pressure": "20 bar"})).write(tmp_path)
+    assert cli.main(["report", str(folder), "--full"]) == cli.DONE
+    assert "run CASE.toml --full" in capsys.readouterr().out
+    assert 'id="contact"' in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_study_is_sent_to_its_own_command(tmp_path, capsys):
+    (tmp_path / "study.sqlite").touch()
+    assert cli.main(["report", str(tmp_path)]) == cli.WRONG_INPUT
+    assert "fem-seal study report" in capsys.readouterr().err
 
 
 def test_a_method_that_writes_is_not_read(tmp_path):
