@@ -151,20 +151,33 @@ class Finding:
 
     @property
     def reason(self) -> str:
-        """A clause with the number behind it, about one load that need not be named."""
-        return self._prefix + self._filled("reason")
+        """What it says: a clause with the number behind it, about one load that need not be named."""
+        return self._prefix + self._filled("says")
+
+    @property
+    def place(self) -> str:
+        """Where it is: "at 20 bar"; empty of what is about all loads."""
+        return self._filled("place") or (f"at {self.values['where']}" if "where" in self.values else "")
+
+    @property
+    def remedy(self) -> str:
+        """What it means, and what helps."""
+        return self._filled("remedy")
 
     @property
     def text(self) -> str:
-        """The whole sentence: which load, where, what to do; empty of what is silent."""
-        return "" if self.silent else self._prefix + self._filled("text")
+        """All of it: what, where, and what helps; empty of what is silent."""
+        if self.silent:
+            return ""
+        where = f"{self.reason} ({self.place})" if self.place else self.reason
+        return ". ".join(filter(None, (where, self.remedy)))
 
     @property
     def _prefix(self) -> str:
         return f"{self.at}: " if self.at else ""
 
     def _filled(self, part: str) -> str:
-        return fill(self.display, own_tables("findings.toml")[self.entry][part], **self.values)
+        return fill(self.display, own_tables("findings.toml")[self.entry].get(part, ""), **self.values)
 
     def found_at(self, place: str) -> Finding:
         """The same about something else than a load as it is.
@@ -369,7 +382,7 @@ def caution(
     Parameters
     ----------
     name : str
-        Of the entry, which has label, reason and text, and leak_only where it is about the leak rate alone.
+        Of the entry, which has label, says, remedy and place, and leak_only where it is about the leak rate alone.
     load, loads
         The load that it is about, and all loads, among which its name is unique.
     outside : bool
@@ -476,10 +489,9 @@ def _finding_of_loads(
     pressure, force = loads.points[number]
     several = len({applied_force for _, applied_force in loads.points}) > 1
     load = sentence("not_calculated", "load_of_forces" if several else "load", pressure=pressure, force=force)
-    kind, own = ("force", force) if how == "with" else ("fluid pressure", pressure)
+    kind = "force" if how == "with" else "fluid pressure"
     names = [short_quantity(kind, value) for value in sorted(set(values))]
     with_force = sentence("not_calculated", "of_force", force=force) if several and how == "at" else ""
-    others = ", ".join(short_quantity(kind, value) for value in sorted(set(values) - {own}))
     return caution(
         "not_calculated",
         # the message of an open seal has its pressure and force already
@@ -487,5 +499,4 @@ def _finding_of_loads(
         message=problem.message,
         names=f"{join_names(names)}{with_force}",
         why=why_missing(problem),
-        others=sentence("not_calculated", how, values=others) if others else "",
     )

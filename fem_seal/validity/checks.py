@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.contact.solution import PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
-from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
+from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.findings import (
     EXACT,
     ORDERS_OF_MAGNITUDE,
@@ -564,9 +564,9 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 
 
 def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    materials = {name: material for name, material in problem.labelled_materials.items() if material.creeps}
-    for (name, material), text in zip(materials.items(), creep_remarks(materials), strict=True):
-        yield caution("creep", name=name, material=material.name, text=text)
+    for name, material in problem.labelled_materials.items():
+        if material.creeps:
+            yield caution("creep", name=name, material=material.name)
 
 
 def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

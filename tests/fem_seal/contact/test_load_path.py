@@ -156,8 +156,8 @@ def test_loads_that_open_the_seal_are_left_out_and_named():
     # the mesh is sized for the loads, and what it is off changes the contact by some 1e-5
     alone = run_loads(case(load={**VALVE, "fluid_pressure": "15 bar"})).table.iloc[0]
     assert result.table.leak_rate_m3_per_s.iloc[2] == pytest.approx(alone.leak_rate_m3_per_s, rel=1e-3)
-    (said,) = [text for text in result.warnings if "open" in text and "load is not calculated" in text]
-    assert "at a fluid pressure of 25 bar" in said and "nor are those at 30 bar" in said
+    (said,) = [text for text in result.warnings if "open" in text and "not calculated" in text]
+    assert "at a fluid pressure of 25 bar" in said and "25 bar, 30 bar" in said
     assert float(re.search(r"holds ([\d.]+) bar", said).group(1)) == pytest.approx(opens / 1e5, rel=1e-4)
 
 
@@ -167,8 +167,8 @@ def test_forces_that_leave_the_seal_open_are_named_together():
     result = run_loads(case(load={**VALVE, "fluid_pressure": "20 bar", "applied_force": forces}))
     assert result.table.applied_force_N.tolist() == [1100, 1500, 900, 1200]
     assert [load.applied_force for load in result.loads] == [1500]
-    (said,) = [text for text in result.warnings if "load is not calculated" in text]
-    assert "an applied force of 1200 N holds" in said and "nor are those with 900 N, 1100 N" in said
+    (said,) = [text for text in result.warnings if "not calculated" in text]
+    assert "an applied force of 1200 N holds" in said and "900 N, 1100 N" in said
 
 
 def test_nothing_is_coupled_twice():
@@ -220,7 +220,7 @@ def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
             },
         )
     )
-    for sign in ("times the yield stress 250 MPa", "A/A0 = ", "of the hardness"):
+    for sign in ("exceeds 250 MPa", "A/A0 = ", "of the hardness"):
         (mine,) = [text for text in told if sign in text]
         (there,) = [text for text in again.warnings if sign in text]
         # of another mesh the fourth digit may differ, and the place of the largest stress by an element

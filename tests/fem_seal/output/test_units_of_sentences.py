@@ -13,7 +13,7 @@ from fem_seal.cli.app import main
 from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.output.prose import prose
-from fem_seal.seal.findings import sentence
+from fem_seal.seal.findings import caution
 from fem_seal.units import Display, shared_flow_unit, shown_in
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -133,9 +133,9 @@ def test_table_of_the_direct_simulation_takes_the_units_of_the_case():
 
 def test_a_finding_takes_the_units_of_the_system():
     values = {"share": 0.03, "size": 2.54e-5}
-    assert "present 25.4 um" in sentence("mesh", "text", **values)
+    assert "present 25.4 um" in caution("mesh", **values).text
     with shown_in(Display("US")):
-        assert "present 1000 uin" in sentence("mesh", "text", **values)
+        assert "present 1000 uin" in caution("mesh", **values).text
         at = {
             "stress": "2 ksi",
             "excess": "2",
@@ -145,8 +145,8 @@ def test_a_finding_takes_the_units_of_the_system():
             "depth": "",
             "deepest": "",
         }
-        told = sentence("yield_stress", "text", name="seat", where="290 psi", first="", closing="", **at)
-    assert "yield stress 29 ksi, at r = 0.5 in" in told
+        told = caution("yield_stress", name="seat", where="290 psi", first="", **at).text
+    assert "2 ksi at r = 0.5 in" in told and "exceeds 29 ksi" in told
 
 
 def test_si_units_of_small_leak_rates_need_no_powers_of_ten():

@@ -67,7 +67,7 @@ def test_open_and_crushing_loads_are_left_out_and_the_others_are_as_if_they_had_
     alone = run_loads(seal(["10 bar", "15 bar"])).table
     np.testing.assert_allclose(table.leak_rate_m3_per_s[::2], alone.leak_rate_m3_per_s, rtol=1e-9)
     assert table.leak_rate_m3_per_s[1::2].isna().all() and table.contact_force_N[1::2].isna().all()
-    opened, strained = (text for text in result.warnings if "load is not calculated" in text)
+    opened, strained = (text for text in result.warnings if text.startswith("not calculated"))
     assert "the seal is open at a fluid pressure of 20 bar" in opened and "above 1256.64 N" in opened
     assert (
         strained.startswith("at 10 bar with 100 MN: a contact force of") and "effective modulus" in strained
@@ -102,7 +102,7 @@ def test_the_same_loads_are_left_out_with_every_closing_mode(closing):
     assert sorted(problem.kind for problem in refused_loads(mixed).values()) == ["open", "strain"]
     result = run_loads(mixed)
     assert result.table.dropna(subset="leak_rate_m3_per_s").fluid_pressure_Pa.tolist() == [5e5]
-    assert sum("load is not calculated" in text for text in result.warnings) == 2
+    assert sum(text.startswith("not calculated") for text in result.warnings) == 2
 
 
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
@@ -133,8 +133,8 @@ def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_ou
     mesh = {} if size is None else {"mesh": {"contact_size": size}}
     result = fem_seal.run(case(**mesh))
     assert result.table.dropna(subset="leak_rate_m3_per_s").fluid_pressure_Pa.tolist() == [2e5, 20e5]
-    (said,) = [text for text in result.warnings if "load is not calculated" in text]
-    assert said == "at 5 bar: residual 1e-3 after 60 iterations. This load is not calculated"
+    (said,) = [text for text in result.warnings if text.startswith("not calculated")]
+    assert said.endswith("no solution was found. At 5 bar: residual 1e-3 after 60 iterations")
     # a mesh whose size the user gives stays as it is
     assert (len(tries) > 1 and tries[1] > tries[0]) == (size is None)
 
@@ -206,7 +206,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
     pressures = Loads.of(case(load={"fluid_pressure": ["5 bar", "2 bar", "8 bar"]}))
     failures = {0: ConvergenceError("no luck"), 2: ZeroDivisionError("float division by zero")}
     (said,) = not_calculated(pressures, SolvedLoads((), failures=failures).problems)
-    assert said.text == "at 5 bar: no luck. This load is not calculated; nor are those at 8 bar"
+    assert said.text == "not calculated: 5 bar, 8 bar, no solution was found. At 5 bar: no luck"
     assert said.reason == "not calculated: 5 bar, 8 bar, no solution was found"
 
 
@@ -407,7 +407,9 @@ def test_on_the_sealed_area_the_margin_is_the_contact_force():
         assert load.opening.share == pytest.approx(load.contact_force / 1000, rel=1e-9)
     assert (far.digits, near.digits) == (4, 2)
     (said,) = [text for text in result.warnings if "from opening" in text]
-    assert said.startswith("15.5 bar is 2.6 % from opening the seal: 26 N of the applied 1000 N, or 0.42 bar")
+    assert said.startswith(
+        "2.6 % from opening the seal (at 15.5 bar). 26 N of the applied 1000 N, or 0.42 bar"
+    )
     columns = ["opening_margin_N", "opening_margin_Pa", "opening_margin"]
     np.testing.assert_allclose(
         result.table[columns].iloc[1],

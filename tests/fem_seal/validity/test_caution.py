@@ -20,7 +20,8 @@ from fem_seal.output.report.brief import first_line, second_line
 from fem_seal.output.report.page import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
-from fem_seal.seal.findings import NOT_JUDGED, VALID, Level, Validity, remark, sentence, worst_first
+from fem_seal.seal import findings
+from fem_seal.seal.findings import NOT_JUDGED, VALID, Level, Validity, remark, worst_first
 from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity import checks as warnings
@@ -205,7 +206,7 @@ def test_every_load_has_its_own_validity(soft_result):
     assert "times its yield stress" in high.validity.reasons[0]
     assert not any("yield" in reason for reason in low.validity.reasons)
     # the warnings name the worst load, the worst of them first
-    assert "times the yield stress 60 MPa" in soft_result.warnings[0] and "400 bar" in soft_result.warnings[0]
+    assert "exceeds 60 MPa" in soft_result.warnings[0] and "400 bar" in soft_result.warnings[0]
     assert soft_result.table["validity"].tolist() == [str(low.validity.level), "outside the theory"]
     assert soft_result.table["validity_reasons"].tolist()[1] == "; ".join(high.validity.reasons)
 
@@ -452,8 +453,8 @@ def test_a_thick_layer_on_a_small_steep_seat_says_so():
 
 
 def test_a_strain_far_beyond_small_ones_is_told_without_a_number():
-    for strain, told in ((0.1234, "reaches 12.3 % at"), (400.0, "reaches more than 100 % at")):
-        assert told in sentence("large_strain", name="needle", strain=strain, where="20 bar", limit=10.0)
+    for strain, told in ((0.1234, "plastic strain 12.3 %"), (400.0, "plastic strain more than 100 %")):
+        assert told in findings.caution("large_strain", name="needle", strain=strain, limit=10.0).reason
 
 
 @pytest.mark.parametrize("process", ["turned", "ground", "reamed"])
@@ -468,4 +469,4 @@ def test_a_lay_of_a_known_factor_makes_nothing_doubtful(process):
     assert "lay" not in " ".join(one.validity.reasons)
     assert one.validity.without("mesh").of_contact == VALID
     # and it is told, once
-    assert sum("roughness has a lay" in text for text in result.warnings) == 1
+    assert sum("roughness with a lay" in text for text in result.warnings) == 1
