@@ -69,9 +69,7 @@ def test_open_and_crushing_loads_are_left_out_and_the_others_are_as_if_they_had_
     assert table.leak_rate_m3_per_s[1::2].isna().all() and table.contact_force_N[1::2].isna().all()
     opened, strained = (text for text in result.warnings if text.startswith("not calculated"))
     assert "The seal is open at a fluid pressure of 20 bar" in opened and "above 1256.64 N" in opened
-    assert (
-        "At 10 bar with 100 MN: a contact force of" in strained and "effective modulus" in strained
-    )
+    assert "At 10 bar with 100 MN: a contact force of" in strained and "effective modulus" in strained
     assert [load.hertz is None for load in derive(mixed).loads] == [False, True, False, True]
 
 

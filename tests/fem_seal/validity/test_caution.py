@@ -365,7 +365,9 @@ def test_the_warning_of_yielding_can_be_followed():
     for closing in ("sealed-area", "penetration"):
         tables = {"load": {"fluid_pressure": "60 bar", "closing": closing, "applied_force": "5 kN"}}
         result = run_loads(case(**tables, seat=cone(soft)))
-        assert any("A stress_strain curve in its material calculates that" in text for text in result.warnings)
+        assert any(
+            "A stress_strain curve in its material calculates that" in text for text in result.warnings
+        )
         assert result.case.replace({"seat.material.stress_strain": curve}).seat.material.hardening is not None
 
 
