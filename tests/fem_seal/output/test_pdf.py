@@ -13,7 +13,7 @@ from fem_seal.errors import DrawingError
 from fem_seal.output import pdf
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.style import style
-from fem_seal.output.report.page import _escape_for_css
+from fem_seal.output.report.page import _escape_for_css, report
 
 
 @pytest.mark.slow
@@ -24,6 +24,19 @@ def test_a_page_becomes_pages(tmp_path):
     page.write_text("<!DOCTYPE html><h1>one</h1><h1 style='break-before: page'>two</h1>")
     written = pdf.print_pdf(page, tmp_path / "out.pdf").read_bytes()
     assert written.startswith(b"%PDF") and written.count(b"/Type /Page\n") == 2
+
+
+@pytest.mark.slow
+def test_one_page_is_one_page_that_can_be_read(tmp_path):
+    # letters of the tables are the smallest [pt]
+    assert min(zoom for _, zoom in pdf._FITS) * 7.5 > 7.0
+    if pdf.find_browser() is None:
+        pytest.skip("no Chromium, Chrome or Edge on this machine")
+    for full in (False, True):
+        page = tmp_path / "report.html"
+        page.write_text(report(rough_result(), full=full), encoding="utf-8")
+        written = pdf.print_pdf(page, tmp_path / "page.pdf", one_page=True).read_bytes()
+        assert len(pdf._PAGES.findall(written)) == 1
 
 
 def test_without_a_browser_the_reader_is_told_what_to_do(tmp_path, monkeypatch, capsys):
