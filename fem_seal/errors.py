@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
@@ -67,11 +67,14 @@ class Problem:
         What is wrong and what is allowed.
     value : str or None
         What stands there, as the user wrote it; None if nothing does.
+    entry : str
+        Of templates/problems.toml, which has its text; empty of what was said elsewhere.
     """
 
     key: str
     message: str
     value: str | None = None
+    entry: str = field(default="", kw_only=True)
 
     def __str__(self) -> str:
         """``key = value: message``, without the parts that do not exist; one line that may be printed."""

@@ -20,14 +20,15 @@ def problem(name: str, /, **values: object) -> Problem:
     """
     words, display = own_tables("problems.toml")[name], current_display()
     return Problem(
-        *(fill(display, words[part], **values) for part in ("key", "text", "value") if part in words)
+        *(fill(display, words[part], **values) for part in ("key", "text", "value") if part in words),
+        entry=name,
     )
 
 
 def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProblem:
     """Why a load cannot be calculated; see `problem` and `LoadProblem`."""
     fault = problem(name, **values)
-    return LoadProblem(fault.key, fault.message, fault.value, kind)
+    return LoadProblem(fault.key, fault.message, fault.value, kind, entry=name)
 
 
 def wrong(name: str, /, **values: object) -> ValueError:

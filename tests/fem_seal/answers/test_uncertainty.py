@@ -497,7 +497,7 @@ def uncertain(**table):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ({"samples": 64}, "names no uncertain input"),
+        ({"samples": 64}, "names no sampled input"),
         ({"hardness": {"relative": 0}}, "uncertainty.hardness.relative"),
         ({"hardness": {"relative": 0.1, "distribution": "gauss"}}, "uncertainty.hardness.distribution"),
         ({"hardnes": {"relative": 0.1}}, "do you mean hardness"),
@@ -539,7 +539,7 @@ def test_shape_of_a_tabulated_spectrum_is_not_uncertain(tmp_path):
 def test_interval_needs_a_leak_rate():
     with pytest.raises(InputError, match="needs a table"):
         leak_interval(smooth_result(), Uncertainty(viscosity=TEN_PER_CENT))
-    with pytest.raises(InputError, match="no uncertain input"):
+    with pytest.raises(InputError, match="no sampled input"):
         leak_interval(rough_result(), Uncertainty())
 
 
