@@ -79,7 +79,7 @@ def _bytecode(escaped: bool) -> BytecodeCache:
                 # a program that is installed for all cannot write there
                 with suppress(OSError):
                     draft = Path(f"{bucket.key}.{os.getpid()}")
-                    draft.parent.mkdir(exist_ok=True)
+                    draft.parent.mkdir(parents=True, exist_ok=True)
                     draft.write_bytes(bucket.bytecode_to_string())
                     draft.replace(bucket.key)
 
