@@ -12,7 +12,6 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
@@ -243,10 +242,11 @@ def show_result(result: SealSolution, *, details: bool) -> None:
     """
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.output.report.brief import lines_in_brief
+    from fem_seal.output.shown_answers import pages_of
     from fem_seal.output.tables import leak_rows
 
     case = result.case
-    show_first(*lines_in_brief(result))
+    show_first(*lines_in_brief(result, pages_of(result)))
     if not details:
         show_loads(case, result.every_load)
         return
@@ -408,11 +408,9 @@ def show_answers(result: SealSolution) -> None:
     result : SealSolution
     """
     from fem_seal.output.report.words import load_notes
-    from fem_seal.output.shown_answers import SHOWN
+    from fem_seal.output.shown_answers import pages_of
 
-    groups = (load_notes(result), *(section.lines(result) for section in SHOWN if section.asked(result)))
-    for line in chain.from_iterable(groups):
-        tell(line)
+    tell(*load_notes(result), *(line for page in pages_of(result) for line in page.details))
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:

@@ -17,7 +17,7 @@ from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
 from fem_seal.output.answers.lands import hardest_land
-from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences, worst_verdict
+from fem_seal.output.answers.verdict import next_class_of, tiles, verdict_sentences, worst_verdict
 from fem_seal.output.case_words import state_in_words
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
@@ -270,7 +270,7 @@ def _judge_solution(solution: SealSolution, *, complete: bool) -> dict[str, Any]
         # service loads that pass decide nothing while the tests are not there
         "verdict": "" if follow and word in (Verdict.PASS, Verdict.PASS_UNLESS) else str(word),
         "remarks": (*service, *verdict_sentences(solution)),
-        "facts": tuple(verdict_facts(solution)),
+        "facts": tuple((tile.name, tile.value, tile.remark) for tile in tiles(solution)),
     }
 
 

@@ -16,7 +16,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.case import case_text
 from fem_seal.files import as_json, write_text
 from fem_seal.output.answers.error_shares import input_name
-from fem_seal.output.answers.verdict import verdict_lines, verdict_numbers
+from fem_seal.output.answers.verdict import verdict_numbers, verdict_sentences
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels, style
 from fem_seal.output.prose import phrase, template
@@ -140,7 +140,7 @@ def lines(found: Calibration) -> Iterator[str]:
         before=_range(found, last.prior),
     )
     if found.judged is not None:
-        yield from verdict_lines(found.judged)
+        yield from verdict_sentences(found.judged)
     if last.prior[0] > 0.0 and last.posterior[0] > 0.0:
         before, after = (three[2] / three[0] for three in (last.prior, last.posterior))
         which, ratio = "narrower" if after < before else "wider", last.posterior[1] / last.prior[1]

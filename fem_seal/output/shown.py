@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.output.columns import ReadableTable
@@ -50,7 +50,7 @@ class Section:
 def worded_section(
     name: str, sentences: Sequence[str], *tables: ReadableTable, **values: object
 ) -> Section | None:
-    """A section with its entry of words.toml under "sections"; None without a sentence.
+    """A section with its entry of words.toml under "sections"; None without a sentence and a row.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def worded_section(
     **values
         Values of the {names} in the captions.
     """
-    if not sentences:
+    if not sentences and not any(table.rows for table in tables):
         return None
     words = prose()["sections"][name]
     captions = (filled(caption, values) for caption in words["captions"])
@@ -170,7 +170,11 @@ class Shown:
 
     def page_of(self, result: SealSolution, display: Display) -> AnswerPage:
         """What it says of a result; nothing without an answer."""
-        return self.page(result, display) if self.asked(result) else AnswerPage()
+        if not self.asked(result):
+            return AnswerPage()
+        page = self.page(result, display)
+        section, details = page.section or self.section(result), page.details or self.lines(result)
+        return replace(page, section=section, details=details)
 
     def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
         """Keys of summary.json with their values, or what stands there without an answer."""

@@ -1,5 +1,9 @@
 """Contributions of all answers to files, report and terminal."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from fem_seal.output.answers import (
     bolts,
     compression,
@@ -16,7 +20,10 @@ from fem_seal.output.answers import (
     variants,
     verdict,
 )
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import AnswerPage, Shown
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
 
 # In the order on the terminal.
 _PAGES = (
@@ -36,3 +43,13 @@ _PAGES = (
     sensitivities,
 )
 SHOWN: tuple[Shown, ...] = tuple(page.SHOWN for page in _PAGES)
+
+
+def pages_of(result: SealSolution) -> list[AnswerPage]:
+    """What the answers say of a result, in the units of its case.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return [shown.page_of(result, result.case.display) for shown in SHOWN]

@@ -14,6 +14,8 @@ from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.answers.answer import Request
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
+from fem_seal.output.shown import Tile
+from fem_seal.output.shown_answers import pages_of
 from fem_seal.result import SealResult
 from leak import Reading
 
@@ -143,3 +145,8 @@ def single_result() -> SealResult:
 def smooth_result() -> SealResult:
     """Two loads of hard contact."""
     return fem_seal.run(smooth_case(load={"fluid_pressure": ["20 bar", "50 bar"]}))
+
+
+def tiles_of(result: SealResult) -> dict[str, Tile]:
+    """All numbers at the top of its pages, by name."""
+    return {tile.name: tile for page in pages_of(result) for tile in page.tiles}

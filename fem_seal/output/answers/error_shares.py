@@ -11,7 +11,7 @@ from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, l
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import filled, phrase, prose
-from fem_seal.output.shown import Shown, worded_table
+from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section, worded_table
 from fem_seal.seal.load_result import highest_load, load_name
 from fem_seal.units import format_digits, percent
 
@@ -35,45 +35,22 @@ def input_name(name: str) -> str:
     return f"{names['scan_length']} ({key})" if key != name else f"{name} between scans"
 
 
-def error_sentence(result: SealSolution) -> str:
-    """What makes the interval of the highest load, and what would narrow it; empty where it is narrow."""
-    load = result.loads[highest_load(result.loads)]
-    found = _of_highest_load(result)
-    if found is None or found.factor < _NARROW or len(found.of_width) < 2:
-        return ""
-    largest = next(iter(found.of_width))
-    told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
-    (first, after), *others = [*_measurements_worth_it(result, found)] or [("", 0.0)]
-    return phrase(
-        "notes.error_shares",
-        "interval",
-        "doubt" if largest.startswith("accuracy: ") else "source",
-        "measured" if first else "",
-        load=load_name(load, result.loads),
-        factor=found.factor,
-        shares=", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in told),
-        largest=input_name(largest),
-        left=found.left[largest],
-        first=first,
-        after=after,
-        others="".join(phrase("notes.error_shares", "other", what=what, left=left) for what, left in others),
-    )
-
-
-def shares_in_brief(result: SealSolution) -> str:
-    """Shares of the width of the interval of the highest load; empty where it is narrow.
+def shares_in_brief(result: SealSolution, number: int) -> str:
+    """Shares of the width of the interval of a load; empty where it is narrow.
 
     Parameters
     ----------
     result : SealSolution
+    number : int
+        Of the load.
     """
-    load, found = result.highest, _of_highest_load(result)
+    found = _of_load(result, number)
     if found is None or found.factor < _NARROW or len(found.of_width) < 2:
         return ""
-    told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
-    shares = ", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in told)
-    at = load_name(load, result.loads)
-    return phrase("notes.error_shares", "interval", load=at, factor=found.factor, shares=shares)
+    named = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
+    shares = ", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in named)
+    at = load_name(result.loads[number], result.loads)
+    return phrase("error_shares.interval", "shares", load=at, factor=found.factor, shares=shares)
 
 
 def largest_share(result: SealSolution, number: int) -> tuple[str, str] | None:
@@ -107,8 +84,8 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
     )
     if not what or found is None:
         return ""
-    at = f" at {load_name(result.loads[number], result.loads)}"
-    return phrase("brief.second", "measure", what=what, left=left, now=found.factor, at=at)
+    at = load_name(result.loads[number], result.loads)
+    return phrase("error_shares.interval", "measure", what=what, left=left, now=found.factor, at=at)
 
 
 def _of_load(result: SealSolution, number: int) -> ErrorShares | None:
@@ -129,14 +106,14 @@ def _measurements_worth_it(result: SealSolution, found: ErrorShares) -> Iterator
     if profiles is not None:
         best.pop("line_scan", None)
         if profiles.left * _NARROWER <= found.factor:
-            yield phrase("notes.measurement", "profiles", profiles=profiles), profiles.left
+            yield phrase("error_shares.measurement", "profiles", profiles=profiles), profiles.left
     for one in list(best.values())[: _INSTRUMENTS - (profiles is not None)]:
-        yield phrase("notes.measurement", "input", **_words(result, one)), float(one.left or 0.0)
+        yield phrase("error_shares.measurement", "input", **_words(result, one)), float(one.left or 0.0)
     # that at a lower load says more than it seems to
     tests = [one for one in worth if one.instrument == LEAK_TEST]
     if test is not None:
         test = min(tests, key=lambda one: result.loads[one.at or 0].point)
-        yield phrase("notes.measurement", "leak_test", **_words(result, test)), float(test.left or 0.0)
+        yield phrase("error_shares.measurement", "leak_test", **_words(result, test)), float(test.left or 0.0)
 
 
 def _words(result: SealSolution, one: Measurement) -> dict[str, str]:
@@ -170,10 +147,23 @@ def measurement_table(result: SealSolution) -> ReadableTable:
     return worded_table("measurements", rows, now="" if found is None else format_digits(found.factor, 2))
 
 
+def _page(result: SealSolution) -> AnswerPage:
+    load = decisive(result)
+    number = result.loads.index(load)
+    decides = [*filter(None, (shares_in_brief(result, number), measurement_in_brief(result, number)))]
+    tiles = []
+    if largest := largest_share(result, number):
+        name, share = largest
+        tiles.append(
+            Tile("Main uncertainty", share, f"{name}, share of the interval", 35, load.validity.level)
+        )
+    section = worded_section("measurements", (), measurement_table(result))
+    return AnswerPage(tiles=tiles, decides=decides, section=section, details=decides)
+
+
 SHOWN = Shown(
     lambda result: result.error_shares,
     summary=lambda result: {"error_shares": [asdict(one) for one in result.error_shares]},
     absent={"error_shares": []},
-    words={"error_sentence": error_sentence, "measurements": measurement_table},
-    lines=lambda result: [f"  {one}" for one in [error_sentence(result)] if one],
+    page=lambda result, display: _page(result),
 )

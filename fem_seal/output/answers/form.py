@@ -14,7 +14,7 @@ from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import in_scenario, phrase
-from fem_seal.output.shown import Section, Shown, by_scenario, worded_section, worded_table
+from fem_seal.output.shown import AnswerPage, Section, Shown, by_scenario, worded_section, worded_table
 from fem_seal.output.tables import AROUND_COLUMNS
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_name
@@ -311,4 +311,5 @@ SHOWN = Shown(
     tables={"around.csv": around_rows},
     section=_section,
     lines=form_in_words,
+    page=lambda result, display: AnswerPage(first=[*filter(None, [form_in_brief(result)])]),
 )

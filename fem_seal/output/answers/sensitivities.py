@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from fem_seal.answers.sensitivities import Sensitivity
 from fem_seal.answers.solution import SealSolution
@@ -13,9 +14,14 @@ from fem_seal.case.material_table import UNNAMED
 from fem_seal.case.notation import partner
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Shown, worded_table
+from fem_seal.output.shown import AnswerPage, Shown, decisive, worded_section, worded_table
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import format_digits, range_text, trim_zeros, unit_for
+from fem_seal.wording import say_all
+
+if TYPE_CHECKING:
+    from fem_seal.answers.case_load import CaseLoad
+    from fem_seal.units import Display
 
 # So many are told, and none that changes the leak by less.
 _TOLD, _SMALLEST = 3, 0.03
@@ -176,14 +182,33 @@ def _exponents(one: Sensitivity) -> str:
 
 
 def sensitivity_lines(result: SealSolution) -> list[str]:
-    """The strongest sensitivities, for the terminal; empty if nobody asked or nothing moves the leak rate.
+    """The strongest sensitivities in sentences; empty if nobody asked or nothing moves the leak rate.
 
     Parameters
     ----------
     result : SealSolution
     """
-    told = [f"  {in_words(result.case, one)}" for one in strongest(result.sensitivities)]
-    return [phrase("sensitivities.words", "heading", load=load_of(result)) + ":", *told] if told else []
+    at = load_of(result)
+    changes = (in_words(result.case, one) for one in strongest(result.sensitivities))
+    return [phrase("sensitivities.words", "strong", load=at, change=change) for change in changes]
+
+
+def change_in_brief(result: SealSolution, load: CaseLoad) -> str:
+    """The change that helps most at a load, and whether it is enough for a pass; empty if none is known.
+
+    Parameters
+    ----------
+    result : SealSolution
+    load : CaseLoad
+    """
+    found = next((one for one in result.sensitivities if one.helps), None)
+    if found is None:
+        return ""
+    # times the limit, at least, after the change
+    left = 0.0 if load.judgement is None else load.judgement.times_over * max(found.ratio)
+    alone = ", which alone is not enough" if left > 1.0 else ""
+    what, at = in_words(result.case, found), load_name(load, result.loads)
+    return phrase("sensitivities.words", "helps", what=what, at=at, alone=alone)
 
 
 def load_of(result: SealSolution) -> str:
@@ -216,15 +241,14 @@ def sensitivity_table(result: SealSolution) -> ReadableTable:
     return worded_table("sensitivities", rows)
 
 
-def sensitivity_note(result: SealSolution) -> str:
-    """What the table of sensitivities means.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    both = "note_both" if result.highest.others else ""
-    return phrase("sensitivities.words", "note", both, load=load_of(result))
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    change = change_in_brief(result, decisive(result))
+    notes = say_all(display, "sensitivities", "notes", load=load_of(result), both=result.highest.others)
+    return AnswerPage(
+        decides=[change] if change else (),
+        section=worded_section("sensitivities", notes, sensitivity_table(result)),
+        details=sensitivity_lines(result),
+    )
 
 
 SHOWN = Shown(
@@ -234,10 +258,5 @@ SHOWN = Shown(
         "levers": [asdict(one) | {"says": in_words(result.case, one)} for one in result.sensitivities]
     },
     absent={"levers": []},
-    words={
-        "sensitivities": sensitivity_table,
-        "strongest_sensitivities": sensitivity_lines,
-        "sensitivity_note": sensitivity_note,
-    },
-    lines=sensitivity_lines,
+    page=_page,
 )

@@ -13,7 +13,7 @@ from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Section, Shown, worded_section, worded_table
+from fem_seal.output.shown import AnswerPage, Shown, worded_section, worded_table
 from fem_seal.output.tables import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from fem_seal.units import LIQUID, leak_range_text, unit_for
 from leak.standards import STANDARDS
@@ -21,6 +21,7 @@ from leak.standards import STANDARDS
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.answers.standard_tests import SetPressure, TestedLoad
+    from fem_seal.units import Display
 
 
 def in_words(result: SealSolution) -> list[str]:
@@ -171,8 +172,13 @@ def _in_summary(found: SetPressure) -> dict[str, Any]:
     }
 
 
-def _section(result: SealSolution) -> Section | None:
-    return worded_section("standard_tests", in_words(result), tests_table(result), set_pressure_table(result))
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    words = in_words(result)
+    return AnswerPage(
+        first=[*filter(None, (standard_in_brief(result), spring_in_words(result)))],
+        section=worded_section("standard_tests", words, tests_table(result), set_pressure_table(result)),
+        details=words,
+    )
 
 
 SHOWN = Shown(
@@ -189,7 +195,6 @@ SHOWN = Shown(
             [_share_row(found, one) for found in filter(None, [result.set_pressure]) for one in found.loads],
         ),
     },
-    section=_section,
     pictures=lambda result: (set_pressure_picture(result),),
-    lines=lambda result: [f"  {one}" for one in in_words(result)],
+    page=_page,
 )

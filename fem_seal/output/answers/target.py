@@ -1,20 +1,23 @@
-"""Opening of the seal, and the force for the target leak rate: facts, reasons, table."""
+"""Opening of the seal, and the force for the target leak rate."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
-from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
-from fem_seal.output.prose import in_scenario, phrase
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section
 from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
+from fem_seal.wording import say
+
+if TYPE_CHECKING:
+    from fem_seal.units import Display
 
 _DIGITS = 4
 
@@ -28,74 +31,42 @@ def opens_at(load: CaseLoad) -> str | None:
     return None if pressure is None or math.isinf(pressure) else quantity("fluid pressure", pressure, _DIGITS)
 
 
-def valve_facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[str, str, str]]:
-    """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
+def tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Tile]:
+    """The pressure that opens the seal and the force for the target leak rate.
+
+    Parameters
+    ----------
+    result : SealSolution
+    display : Display
+    load : CaseLoad
+    """
     if opens := opens_at(load):
-        yield OPENS, opens, phrase("facts.remark", "opens", load=load)
-    target = result.case.load.target_leak_rate
-    if target is not None and load.force_for_target is not None:
-        every = (load.force_for_target, *_other_forces(load).values())
-        low, high = (_target_force(load, force) for force in (every[0], every[-1]))
-        both = "target" if low == high else "target_both"
-        yield (
-            TARGET_FORCE,
-            range_text(low, high),
-            phrase("facts.remark", both, target=target_text(result, target)),
-        )
-    if found := load.verdict_force:
-        none = "none" if found.looked_for else "not calculated"
-        begins = f" {found.begins}" if found.begins else ""
-        yield (
-            "Force for a pass",
-            none if found.force is None else force_to_pass(found.force),
-            found.why_none or phrase("facts.remark", "pass", begins=begins),
-        )
+        remark = say(display, "target", "opens", load=load)
+        yield Tile(OPENS, opens, remark, 30, load.validity.of_contact.level)
+    target, force = result.case.load.target_leak_rate, load.force_for_target
+    if target is not None and force is not None:
+        every = (force, *_other_forces(load).values())
+        low, high = (_target_force(load, end) for end in (every[0], every[-1]))
+        remark = say(display, "target", "force", target=target_text(result, target), both=low != high)
+        level = (load.target_validity or load.validity).level
+        yield Tile(TARGET_FORCE, range_text(low, high), remark, 45, level)
 
 
-def opening_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
-    """Distance of a load from opening the seal, and from the target leak rate."""
+def _why(display: Display, load: CaseLoad) -> Iterator[str]:
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
         digits = 2 if load.digits == 4 else 4
-        yield phrase("reasons.opening", "all", opens=opens, share=share, share_digits=digits, load=load)
-    yield from _target_reasons(result, load)
-    yield from verdict_force_sentences([load])
+        yield say(display, "target", "opening", opens=opens, share=share, digits=digits, load=load)
 
 
-def _target_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
-    target, force = result.case.load.target_leak_rate, load.force_for_target
-    if target is None or force is None:
-        return
-    acting, contact = load.applied_force, load.contact_force_for_target
-    bolted = load.preload_for_target is not None
-    sentence = phrase(
-        "reasons.target",
-        "bolted" if bolted else "force",
-        "" if bolted else ("more" if force > acting else "less") if acting else "none",
-        "fluid" if force < 0 else "",
-        "" if contact is None else "line",
-        contact=contact,
-        line_load=None if contact is None else _line_load(load, contact),
-        target=target_text(result, target),
-        force=_target_force(load, force),
-        difference=abs(force - acting),
-        digits=load.digits_of("force_for_target"),
-        load=load,
-    )
-    others = [
-        in_scenario(name, load.names[0], f"{_target_force(load, one)} are needed")
-        for name, one in _other_forces(load).items()
-    ]
-    yield " ".join([sentence, *others])
-
-
-def target_in_brief(result: SealSolution) -> str:
+def target_in_brief(result: SealSolution, display: Display) -> str:
     """The force for the target leak rate at the load that needs most, or why there is none; empty without a target.
 
     Parameters
     ----------
     result : SealSolution
+    display : Display
     """
     target = result.case.load.target_leak_rate
     if target is None or result.highest.preload_for_target is not None:
@@ -108,22 +79,24 @@ def target_in_brief(result: SealSolution) -> str:
         why = (
             found.remarks[0].text.removeprefix("load.target_leak_rate = ") if found and found.remarks else ""
         )
-        return phrase("brief.target", "none", why=why) if why else ""
+        return say(display, "target", "unmet", why=why) if why else ""
     # a fluid that closes the seal leaves most to the spring at its lowest pressure
     force, number = max(known)
     load = result.loads[number]
     contact, validity = load.contact_force_for_target, load.target_validity
-    doubt = "" if validity is None or not validity.doubts else "outside" if validity.outside else "doubt"
-    return phrase(
-        "brief.target",
-        "alone" if force <= 0.0 else "force" if contact is None else "line",
-        doubt,
+    doubt = "" if validity is None or not validity.doubts else f"{validity.level}: {validity.reasons[0]}"
+    return say(
+        display,
+        "target",
+        "brief",
         target=target_text(result, target),
-        force=_target_force(load, force),
+        force="" if force <= 0.0 else _target_force(load, force),
         # another reading moves the force of the contact by as much as that of the spring
-        line_load=_line_load(load, (contact or 0.0) + force - (load.force_for_target or 0.0)),
+        line_load=None
+        if contact is None
+        else _line_load(load, contact + force - (load.force_for_target or 0.0)),
         load=load,
-        reason=validity.reasons[0] if doubt and validity else "",
+        doubt=doubt,
     )
 
 
@@ -182,4 +155,14 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-SHOWN = Shown(words={"valve": valve_table})
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    load, first = decisive(result), target_in_brief(result, display)
+    return AnswerPage(
+        first=[first] if first else (),
+        tiles=[*tiles(result, display, load)],
+        why=[*_why(display, load)],
+        section=worded_section("target", (), valve_table(result)),
+    )
+
+
+SHOWN = Shown(page=_page)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,10 +13,13 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import AnswerPage, Shown, worded_section
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, shared_flow_unit
+from fem_seal.wording import say_all
+
+if TYPE_CHECKING:
+    from fem_seal.units import Display
 
 
 def told_after_test(load: CaseLoad, volume: LeakVolume = LIQUID, interval: str = "") -> str:
@@ -72,28 +75,30 @@ def interval_table(result: SealSolution) -> ReadableTable:
     return ReadableTable(headings, tuple(rows))
 
 
-def interval_note(result: SealSolution) -> str:
-    """Method of the interval; empty if there is none."""
+def interval_notes(result: SealSolution, display: Display) -> list[str]:
+    """Method of the interval; empty if there is none.
+
+    Parameters
+    ----------
+    result : SealSolution
+    display : Display
+    """
     interval, settings, roughness = result.uncertainty, result.case.uncertainty, result.case.roughness
     if interval is None:
-        return ""
+        return []
     given_as = {} if settings is None else settings.spreads
     spreads = {name: f" ±{percent(one.relative)} ({one.distribution})" for name, one in given_as.items()}
-    sealed, tested = float(interval.sealed.max()), interval.error_scores is not None
-    return phrase(
-        "notes.interval",
-        "tested" if tested else "samples",
-        "polynomial" if interval.runs < interval.samples else "",
-        "checked" if interval.error is not None else "",
-        "finish" if roughness is not None and roughness.finishes and not tested else "",
-        "sealed" if sealed > 0 else "",
-        "shares_tested" if tested else "shares",
-        "shares_both" if result.highest.others and not tested else "",
-        "held",
-        "" if result.highest.flow_error is None or tested else "own",
+    return say_all(
+        display,
+        "uncertainty",
+        "method",
         interval=interval,
         inputs=", ".join(input_name(name) + spreads.get(name, "") for name in interval.inputs),
-        sealed=sealed,
+        tested=interval.error_scores is not None,
+        finish=roughness is not None and roughness.finishes,
+        both=result.highest.others,
+        own=result.highest.flow_error is not None,
+        sealed=float(interval.sealed.max()),
     )
 
 
@@ -122,5 +127,7 @@ SHOWN = Shown(
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty)
     },
     absent={"uncertainty": None},
-    words={"interval": interval_table, "interval_note": interval_note},
+    page=lambda result, display: AnswerPage(
+        section=worded_section("uncertainty", interval_notes(result, display), interval_table(result))
+    ),
 )

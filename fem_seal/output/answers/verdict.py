@@ -21,7 +21,7 @@ from fem_seal.answers.judgement import (
 from fem_seal.case.fields import Bubbles, NormalVolume
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.judgement import VerdictForce
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
+    from fem_seal.units import Display
 
 
 # Factors beyond this are shown as "more than".
@@ -81,7 +82,7 @@ def verdict_words(verdict: Verdict) -> str:
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
-    """The verdict with its reason and further remarks; empty without a requirement.
+    """The verdict in one line, and its basis in further sentences; empty without a requirement.
 
     Parameters
     ----------
@@ -90,10 +91,7 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     found = result.judgement
     if found is None:
         return []
-    first, likely = _verdict(result, found), _pass_sentence(result)
-    tests = worst_of(result.standard_tests)
-    tested = phrase("standard_tests.says", "verdict", verdict=verdict_words(tests)) if tests else ""
-    return [first, *filter(None, (tested, likely)), *_further_sentences(result, found)]
+    return [f"{verdict_in_brief(result)}.", *_basis(result, found)]
 
 
 def verdict_in_brief(result: SealSolution) -> str:
@@ -106,7 +104,7 @@ def verdict_in_brief(result: SealSolution) -> str:
     found = result.judgement
     if found is None:
         return ""
-    told, passes = _verdict(result, found, brief=True), _passes(result, found)
+    told, passes = _verdict(result, found), _passes(result, found)
     return f"{told}; {passes}" if passes and found.verdict is Verdict.INCONCLUSIVE else told
 
 
@@ -115,7 +113,7 @@ def _passes(result: SealSolution, found: SealVerdict) -> str:
     passing = None if found.number is None else result.loads[found.number].passing
     if passing is None or passing.why_none:
         return ""
-    return phrase("brief.first", "passes", share=_in_percent(passing.share))
+    return phrase("verdict.passes", "brief", share=_in_percent(passing.share))
 
 
 def _digits(result: SealSolution, found: SealVerdict) -> int:
@@ -152,7 +150,7 @@ def _place(result: SealSolution, found: SealVerdict) -> str:
     )
 
 
-def _verdict(result: SealSolution, found: SealVerdict, *, brief: bool = False) -> str:
+def _verdict(result: SealSolution, found: SealVerdict) -> str:
     judged, limit, key = found.worst, found.worst.limit, _sentence(found)
     digits, volume, load = _digits(result, found), leakage_class.volume_of(result.case), _place(result, found)
     if found.number is not None and result.loads[found.number].tested:
@@ -166,24 +164,22 @@ def _verdict(result: SealSolution, found: SealVerdict, *, brief: bool = False) -
     # the ends in the sentence have the same unit as the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
     over = [end / limit.leak_rate for end in measured]
-    none = units.leak_rate_text(judged.ends[1], volume=volume)
     # what is seen has no number beside which others stand
     compared = 0.0 if limit.visible else limit.leak_rate
-    at_most = _amount(high, digits, compared) if high else none
     own, allowed = limit.name == leakage_class.OF_LEAK_RATE, _limit_text(limit, beside=beside)
-    # the sentences that follow the long form name the fluid
-    of = f" of {limit.test_fluid}" if brief and limit.test_fluid else ""
+    of = f" of {limit.test_fluid}" if limit.test_fluid else ""
+    written = _as_written(limit.leak_rate).removeprefix(", ")
     return phrase(
-        "brief.verdict" if brief else "verdict.sentences",
+        "verdict.line",
         key,
         load=load,
         who="the limit" if own else limit.name,
-        compared=f"the allowed {allowed}" if own else f"the {allowed} of {limit.name}",
+        compared=f"the allowed {allowed}{f' ({written})' if written else ''}"
+        if own
+        else f"the {allowed} of {limit.name}",
         low=f"{_amount(low, digits, compared)}{of}",
-        high=f"{at_most}{of}",
+        high=f"{_amount(high, digits, compared)}{of}",
         range=_range(low, high, digits, compared),
-        allowed=allowed,
-        limit=f"required{_as_written(limit.leak_rate)}" if own else limit.name,
         factor=factor_text(judged.margin, digits),
         times_low=factor_text(over[0], digits),
         times_range=units.range_text(*(factor_text(one, digits) for one in over)),
@@ -272,41 +268,36 @@ def allowed_in_words(loads: Sequence[AnyLoad]) -> str:
     return phrase("verdict.check", "beside", allowed=f"{allowed}{of}{own}")
 
 
-def _further_sentences(result: SealSolution, found: SealVerdict) -> Iterator[str]:
+def _basis(result: SealSolution, found: SealVerdict) -> Iterator[str]:
+    """Sentences that follow the verdict: its assumptions, its load, and what would turn it."""
+    if tests := worst_of(result.standard_tests):
+        yield phrase("standard_tests.says", "verdict", verdict=verdict_words(tests))
+    if likely := _pass_sentence(result):
+        yield likely
     volume = leakage_class.volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES:
-        yield phrase("verdict.sentences", "volume", state=_state(result.case, found.worst.limit))
+        yield phrase("verdict.basis", "volume", state=_state(result.case, found.worst.limit))
     limit, decided = found.worst.limit, found.worst.why in _BY_INTERVAL
     if limit.bubble_volume is not None:
-        yield phrase("verdict.sentences", "bubble", **_bubbles(limit))
+        yield phrase("verdict.basis", "bubble", **_bubbles(limit))
     if limit.test_fluid and decided and not math.isinf(found.margin):
-        yield phrase(
-            "verdict.sentences", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio))
-        )
+        yield phrase("verdict.basis", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
     if reason := _doubt(result, found):
-        yield phrase("verdict.sentences", "doubtful", reason=reason, load=_place(result, found))
-    load = None if found.number is None else result.loads[found.number]
-    if load is not None and load.tested and found.worst.why not in _WITHOUT_RATES:
-        from fem_seal.output.answers.uncertainty import told_after_test
-
-        rate = told_after_test(load, volume)
-        yield phrase("verdict.sentences", "tested", rate=rate, load=_place(result, found))
+        yield phrase("verdict.basis", "doubtful", reason=reason, load=_place(result, found))
     if measured := would_pass(result):
-        yield measured
+        yield f"{measured}."
     yield from _in_scenarios(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
-        yield phrase("verdict.sentences", "several", count=count, load=_place(result, found))
+        yield phrase("verdict.basis", "several", count=count, load=_place(result, found))
 
 
-def would_pass(result: SealSolution, *, brief: bool = False) -> str:
+def would_pass(result: SealSolution) -> str:
     """Measurement that may turn an inconclusive verdict into a pass; empty if there is none.
 
     Parameters
     ----------
     result : SealSolution
-    brief : bool
-        In one line.
     """
     found = result.judgement
     undecided = _BY_INTERVAL[1:]
@@ -319,9 +310,8 @@ def would_pass(result: SealSolution, *, brief: bool = False) -> str:
     profiles, load = result.error_shares[number].by_profiles, result.loads[number]
     assert profiles is not None  # of a height
     yields = any(one.kind == YIELD_STRESS for one in load.validity.cautions)
-    where = "brief.second" if brief else "verdict.sentences"
-    at = f" at {load_name(load, result.loads)}"
-    return phrase(where, "profile", "curve" if yields else "", length=profiles.length, height=height, at=at)
+    at, length = load_name(load, result.loads), profiles.length
+    return phrase("verdict.turns", "profile", "curve" if yields else "", length=length, height=height, at=at)
 
 
 def _passing_height(result: SealSolution, number: int) -> float:
@@ -339,7 +329,7 @@ def _in_scenarios(result: SealSolution, found: SealVerdict) -> Iterator[str]:
     sampled = found.number is not None and result.loads[found.number].sampled is not None
     for name, (place, judged, own) in result.judgement_beside.items():
         yield phrase(
-            "verdict.sentences",
+            "verdict.basis",
             "beside_as_given" if sampled else "beside",
             scenario=SCENARIOS[name].title,
             verdict=verdict_words(judged.verdict),
@@ -408,29 +398,36 @@ def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
 
 
 _USED = {"yield": "Of the yield stress", "hardness": "Of the hardness", "opening": "Margin to opening"}
+FORCE_TO_PASS = "Force for a pass"
 
 
-def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
-    """Margin and shares as the report shows them under the verdict: name, value, remark; empty without a requirement.
+def tiles(result: SealSolution) -> Iterator[Tile]:
+    """Margin, share that passes, force for a pass and utilisation; none without a requirement or such a force.
 
     Parameters
     ----------
     result : SealSolution
     """
-    found = result.judgement
-    if found is None:
-        return []
-    shares, margin, likely = found.shares, found.margin, least_likely(result.loads)
-    text = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
-    if math.isinf(margin):
-        text = "sealed"
-    facts = [("Margin", text, phrase("verdict.facts", "margin"))]
+    found, load = result.judgement, decisive(result)
+    level, likely = load.validity.level, least_likely(result.loads)
+    if found is not None:
+        known = factor_text(found.margin, _digits(result, found)) if math.isfinite(found.margin) else "–"
+        margin = "sealed" if math.isinf(found.margin) else known
+        yield Tile("Margin", margin, phrase("verdict.tile", "margin"), 10, level)
     if likely is not None and likely.passing is not None and not likely.passing.why_none:
-        facts.append(("Passes", _in_percent(likely.passing.share), phrase("verdict.facts", "passes")))
-    for name, share in _shares(result, shares).items():
-        body = result.case.label_of(shares.body)
-        facts.append((_USED[name], share, phrase("verdict.facts", name, body=body)))
-    return facts
+        at = load_name(likely, result.loads)
+        yield Tile(
+            "Passes", _in_percent(likely.passing.share), phrase("verdict.tile", "passes", load=at), 15, level
+        )
+    if force := load.verdict_force:
+        none = "none" if force.looked_for else "not calculated"
+        value = none if force.force is None else force_to_pass(force.force)
+        remark = phrase("verdict.tile", "none" if force.force is None else "force", begins=force.begins)
+        yield Tile(FORCE_TO_PASS, value, remark, 40, load.validity.of_contact.level)
+    shares = {} if found is None else _shares(result, found.shares)
+    for name, share in shares.items():
+        body = result.case.label_of(found.shares.body) if found is not None else ""
+        yield Tile(_USED[name], share, phrase("verdict.tile", name, body=body), 85, level)
 
 
 def least_likely(loads: Sequence[CaseLoad]) -> CaseLoad | None:
@@ -505,8 +502,8 @@ def next_class_of(result: SealSolution) -> str:
     return next_class_in_words(result.case, result.highest)
 
 
-def verdict_lines(result: SealSolution) -> list[str]:
-    """The verdict and its basis, for the terminal; without a requirement the next class.
+def basis_lines(result: SealSolution) -> list[str]:
+    """What the verdict is based on, and the force for a pass; without a requirement the next class.
 
     Parameters
     ----------
@@ -514,16 +511,9 @@ def verdict_lines(result: SealSolution) -> list[str]:
     """
     found, forces = result.judgement, verdict_force_sentences(result.loads)
     if found is None:
-        line = next_class_of(result)
-        return [*([f"  {line}"] if line else []), *forces]
-    first, *others = verdict_sentences(result)
+        return [*filter(None, [next_class_of(result)]), *forces]
     used = used_in_words(result, found.shares)
-    return [
-        f"Verdict: {first}",
-        *(f"  {one}" for one in others),
-        *([f"  Used: {used}"] if used else []),
-        *forces,
-    ]
+    return [*_basis(result, found), *([phrase("verdict.used", "all", used=used)] if used else []), *forces]
 
 
 def verdict_force_sentences(loads: Sequence[CaseLoad]) -> list[str]:
@@ -642,6 +632,16 @@ def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
     }
 
 
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    basis, next_class = basis_lines(result), next_class_of(result)
+    return AnswerPage(
+        tiles=[*tiles(result)],
+        decides=[next_class] if next_class else (),
+        section=worded_section("verdict", basis) if result.judgement is not None else None,
+        details=basis,
+    )
+
+
 SHOWN = Shown(
     summary=lambda result: {
         "requirement": verdict_numbers(result),
@@ -652,11 +652,5 @@ SHOWN = Shown(
         ]
         or None,
     },
-    words={
-        "verdict": worst_verdict,
-        "verdict_says": verdict_sentences,
-        "verdict_facts": verdict_facts,
-        "next_class": next_class_of,
-    },
-    lines=verdict_lines,
+    page=_page,
 )

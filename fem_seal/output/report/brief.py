@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,12 +14,9 @@ from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.answers.target import TARGET
 from fem_seal.loads import LARGEST_TURNING
 from fem_seal.output.answers import verdict
-from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief, shares_in_brief
-from fem_seal.output.answers.form import form_in_brief
-from fem_seal.output.answers.sensitivities import in_words
-from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
+from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
+from fem_seal.output.answers.sensitivities import change_in_brief
 from fem_seal.output.answers.support import is_by_paper, supported_by, theory_in_brief
-from fem_seal.output.answers.target import OPENS, TARGET_FORCE, target_in_brief, valve_facts
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import (
     MOST_COLUMNS,
@@ -32,7 +29,7 @@ from fem_seal.output.columns import (
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import contact_alone
-from fem_seal.output.shown import Tile, decisive
+from fem_seal.output.shown import AnswerPage, decisive
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
 from fem_seal.units import leak_range_text, shared_flow_unit
@@ -59,16 +56,18 @@ def first_line(result: SealSolution) -> str:
     return f"{told}{missing_in_brief(result)}"
 
 
-def lines_in_brief(result: SealSolution) -> list[str]:
+def lines_in_brief(result: SealSolution, pages: Sequence[AnswerPage]) -> list[str]:
     """The verdict, what the case asks for in so many words, and what would decide, a line each.
 
     Parameters
     ----------
     result : SealSolution
+    pages : sequence of AnswerPage
+        Of all answers.
     """
-    requested = (line(result) for is_asked, line in _REQUESTED.items() if is_asked(result))
-    theory, support = theory_in_brief(result), supported_by(result)
-    return list(filter(None, (first_line(result), *theory, *requested, second_line(result), *support)))
+    asked, support = (line for page in pages for line in page.first), supported_by(result)
+    lines = (first_line(result), *theory_in_brief(result), *asked, second_line(result), *support)
+    return list(filter(None, lines))
 
 
 def missing_in_brief(result: SealSolution) -> str:
@@ -130,23 +129,6 @@ def second_line(result: SealSolution) -> str:
     return next(filter(None, told), "")
 
 
-def _lever_in_words(result: SealSolution, load: CaseLoad) -> str:
-    found = next((one for one in result.sensitivities if one.helps), None)
-    if found is None:
-        return ""
-    # times the limit, at least, with the lever
-    left = 0.0 if load.judgement is None else load.judgement.times_over * max(found.ratio)
-    alone = ", which alone is not enough" if left > 1.0 else ""
-    return phrase(
-        "brief.second", "helps", what=in_words(result.case, found), at=_at(result, load), alone=alone
-    )
-
-
-def _at(result: SealSolution, load: CaseLoad) -> str:
-    """Name of a load in a sentence."""
-    return f" at {load_name(load, result.loads)}"
-
-
 def _force(result: SealSolution, load: CaseLoad) -> str:
     judged = [one for one in result.loads if one.judgement is not None] or [load]
     found = {one: None if one.verdict_force is None else one.verdict_force.force for one in judged}
@@ -181,11 +163,9 @@ def _stop(result: SealSolution, load: CaseLoad) -> str:
 
 def _share(result: SealSolution, load: CaseLoad) -> str:
     found = largest_share(result, result.loads.index(load))
-    return (
-        ""
-        if found is None
-        else phrase("brief.second", "share", name=found[0], share=found[1], at=_at(result, load))
-    )
+    if found is None:
+        return ""
+    return phrase("brief.second", "share", name=found[0], share=found[1], at=load_name(load, result.loads))
 
 
 def _use_in_words(result: SealSolution, load: CaseLoad) -> str:
@@ -193,18 +173,10 @@ def _use_in_words(result: SealSolution, load: CaseLoad) -> str:
     return phrase("brief.second", "used", used=used) if used else ""
 
 
-# Between the first and the second line: what the case asks for in so many words.
-_REQUESTED: Mapping[Callable[[SealSolution], object], Callable[[SealSolution], str]] = {
-    lambda result: result.standard_tests: standard_in_brief,
-    lambda result: result.set_pressure: spring_in_words,
-    lambda result: result.case.load.target_leak_rate: target_in_brief,
-    lambda result: result.form: form_in_brief,
-}
-
 _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
-    "profile": lambda result, load: verdict.would_pass(result, brief=True),
+    "profile": lambda result, load: verdict.would_pass(result),
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
-    "helps": _lever_in_words,
+    "helps": change_in_brief,
     "force": _force,
     "curve": _curve,
     "stop": _stop,
@@ -226,42 +198,6 @@ _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.FAIL: _FAILS,
     None: ("curve", "helps", "measure", "class", "stop", "share", "force", "none"),
 }
-
-
-def tiles(result: SealSolution) -> Iterator[Tile]:
-    """Opening, forces, verdict and main uncertainty at the decisive load.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    load = decisive(result)
-    contact, leak = load.validity.of_contact.level, load.validity.level
-    ranks = {OPENS: (30, contact), TARGET_FORCE: (45, leak), "Force for a pass": (40, contact)}
-    for name, value, remark in valve_facts(result, load):
-        rank, level = ranks[name]
-        yield Tile(name, value, remark, rank, level)
-    for name, value, remark in verdict.verdict_facts(result):
-        yield Tile(name, value, remark, {"Margin": 10, "Passes": 15}.get(name, 85), leak)
-    if share := largest_share(result, result.loads.index(load)):
-        yield Tile(phrase("brief.fact", "share"), share[1], share[0], 35)
-
-
-def decides(result: SealSolution) -> list[str]:
-    """What decides the leak rate, the measurement and the change that help most.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    load = decisive(result)
-    told = (
-        shares_in_brief(result),
-        measurement_in_brief(result, result.loads.index(load)),
-        _lever_in_words(result, load),
-        verdict.next_class_of(result),
-    )
-    return list(filter(None, told))
 
 
 def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable, int]:

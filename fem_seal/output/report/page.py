@@ -39,7 +39,7 @@ from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import brief, words
-from fem_seal.output.shown import AnswerPage, decisive, worded_table
+from fem_seal.output.shown import decisive, worded_table
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
 from fem_seal.seal.load_result import MissingLoad, in_order, load_name
@@ -267,13 +267,12 @@ def _texts_of_case(result: SealSolution) -> dict[str, Any]:
 
 def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
     """What stands on the short page, and at the top of the full one."""
-    display, (in_brief, left_out) = result.case.display, brief.loads_in_brief(result.case, result.every_load)
-    pages = [shown.page_of(result, display) for shown in shown_answers.SHOWN]
-    pages.append(AnswerPage(tiles=[*brief.tiles(result)]))
+    in_brief, left_out = brief.loads_in_brief(result.case, result.every_load)
+    pages = shown_answers.pages_of(result)
     more = phrase("brief.table", "more", left_out=left_out) if left_out else ""
     allowed = verdict.allowed_in_words(result.loads)
-    first, *others = brief.lines_in_brief(result)
-    lines = [first, *(line for page in pages for line in page.first), *others]
+    lines = brief.lines_in_brief(result, pages)
+    decides = [line for page in pages for line in page.decides]
     tiles = sorted((tile for page in pages for tile in page.tiles), key=lambda tile: tile.rank)
     why = [reason for page in pages for reason in page.why]
     if not full:
@@ -287,7 +286,8 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
         "loads_in_brief": in_brief,
         "brief_caption": "; ".join(filter(None, (allowed, *marks_of(result.loads), more))),
         "why": why,
-        "decides": [line for line in brief.decides(result) if line not in lines],
+        "decides": [line for line in decides if line not in lines],
+        "sections": [page.section for page in pages if page.section] if full else (),
         "warnings": list(result.warnings) if full else brief.remarks_in_brief(result),
         "given": words.given_in_words(result),
         "definitions": definitions if full else [one for one in definitions if one["sign"] in seen],
@@ -304,9 +304,6 @@ def _of_full(result: SealSolution, derived: Derived) -> dict[str, Any]:
         "comparison_note": comparison_note(result),
         "comparison": comparison_table(result, profile_sizes(result, derived)),
         "yielding": yielding_table(result),
-        "sections": list(
-            filter(None, (shown.section(result) for shown in shown_answers.SHOWN if shown.asked(result)))
-        ),
         **{name: value for shown in shown_answers.SHOWN for name, value in shown.words_of(result).items()},
     }
 

@@ -2,168 +2,41 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
-from fem_seal.contact.solution import PlasticZone, yielding_of
-from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.leak import (
     has_finish,
     has_two_numbers,
     leakage_text,
-    narrowest_point,
     uncertain_in_words,
     usual_rate_of,
-    yielding_factor,
 )
-from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
+from fem_seal.output.answers.target import opens_at
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.variants import told_in_headline
 from fem_seal.output.case_words import earlier_load, state_in_words
 from fem_seal.output.columns import in_words
 from fem_seal.output.prose import phrase
-from fem_seal.seal.findings import Bounds, Level, Validity
+from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_result import highest_load, load_name, load_values
-from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import (
-    LIQUID,
     LeakVolume,
-    format_digits,
-    format_value,
     leak_range_text,
-    percent,
-    quantity_worth,
-    range_text,
     round_digits,
-    unit_for,
 )
-from fem_seal.validity.checks import FLUID_OPENS
-from leak import CoupledLeakResult
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
-    from fem_seal.answers.closed_forms import Derived
     from fem_seal.case.case import Case
     from leak import LeakageClass
-    from leak.theory.line_contact import HertzLine
 
 
-PEAK = "Peak contact pressure"
-# Part of the pressure drop whose strip of the contact does the sealing: its middle 80 %.
-_MIDDLE = (0.1, 0.9)
-# Peak over Hertz's peak above which mesh and curved faces do not explain the difference.
-_ABOVE_HERTZ = 1.05
 # Relative changes below this get no number.
 _LEAST = 1e-5
-
-
-@dataclass(frozen=True)
-class Fact:
-    """A number with its name, as the report shows it at the top.
-
-    Parameters
-    ----------
-    name, value, remark : str
-    level : Level
-        How far the number can be trusted.
-    """
-
-    name: str
-    value: str
-    remark: str = ""
-    level: Level = Level.VALID
-
-
-def facts(result: SealSolution, load: CaseLoad | None = None) -> list[Fact]:
-    """The main numbers at a load, the highest unless given, each with the level of its validity."""
-    load = load or result.highest
-    return [replace(fact, level=validity.level) for fact, validity in _facts(result, load)]
-
-
-def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validity]]:
-    """Each with the validity that it has."""
-    leaks, contact = load.validity, load.validity.of_contact
-    if result.uncertainty is not None:
-        yield _interval_fact(result, load), leaks
-    of_leak = [] if load.leak is None else list(_leak_facts(result.case, load))
-    # the interval comes first; the other units follow it
-    yield from ((one, leaks) for one in (of_leak if load.sampled is None else reversed(of_leak)))
-    of_target = load.target_validity or leaks
-    yield from (
-        (Fact(*fact), of_target if fact[0] == TARGET_FORCE else contact) for fact in valve_facts(result, load)
-    )
-    land = hardest_land(load) if len(load.profiles) > 1 else ""
-    uneven = load.circumference is not None and load.circumference.form.felt
-    if uneven:
-        remark = f"around the axis; {_peak(load)} at the mean line load"
-        yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark), contact
-    else:
-        yield Fact(PEAK, _peak(load), land), contact
-    width = in_words(load, "fwhm_m")
-    remarks = ["full width at half of the peak pressure", land]
-    yield Fact("Width of the contact", width, ", ".join(filter(None, remarks))), contact
-    if load.critical_separation is not None:
-        yield Fact("Narrowest point of the leak path", *narrowest_point(load)), leaks
-    if not load.of_profile:
-        where = f"von Mises, in the {result.case.label_of(load.max_von_mises_at[0])}"
-        where += ", at the mean line load" if uneven else ""
-        yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where), contact
-    if imprint := imprint_in_words(result):
-        yield Fact("Permanent imprint", *imprint), contact
-    if load.leak is not None:
-        yield _class_fact(result.case, load), leaks
-
-
-def _leak_facts(case: Case, load: CaseLoad) -> Iterator[Fact]:
-    """The leak rate, in one unit and in other units."""
-    assert load.leak is not None
-    volume, sampled = volume_of(case), load.sampled is not None
-    rate = usual_rate_of(load) if sampled else rate_of(load)
-    remarks = [
-        state_in_words(volume),
-        _least_in_words(load)
-        or (per_day(rate, load.leak_digits, volume) if volume.state == volume.gas else ""),
-        scenarios_in_words(load, volume),
-        *([] if sampled else accuracy_in_words(load)),
-    ]
-    which = "tested" if load.tested else "finish" if has_finish(case) else "inputs"
-    name = phrase("interval.fact", which if sampled else "only")
-    text = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
-    yield Fact(name, text, "; ".join(filter(None, remarks)))
-    if load.leak.leak_rate > 0:
-        # the first of these units may be that of the first fact
-        lead = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
-        others = [part for part in leakage_text(load, volume).split(" = ") if part.split(" (")[0] != lead]
-        if others:
-            yield Fact("In other units", others[0], " = ".join(others[1:]))
-
-
-def _least_in_words(load: CaseLoad) -> str:
-    """Lower bound of a leak rate with scratches, which is the upper of two bounds; empty without scratches."""
-    if load.leak is None or load.around is None or load.around.scratches is None:
-        return ""
-    ends = Bounds.of(map(least_with_scratches, (load, *load.others.values())))
-    text = leak_range_text(
-        ends if ends.apart else least_with_scratches(load),
-        load.leak_digits,
-        claimed=not load.validity.outside,
-    )
-    return f"with the upper bound of the leak through scratches; the lower one gives {text}"
-
-
-def least_with_scratches(load: CaseLoad) -> float:
-    """Leak rate of one reading with the lower bound of what scratches add [m^3/s]."""
-    if load.leak is None or load.around is None or load.around.scratches is None:
-        return math.nan
-    low, high = load.around.scratches
-    return load.leak.leak_rate - (high - low)
 
 
 def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
@@ -188,66 +61,6 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
 def volumes_of_gas(gas: bool) -> str:
     """State of gas volumes where the temperature differs from row to row, " (...)"; empty for a liquid."""
     return f" ({phrase('interval.volume', 'heading')})" if gas else ""
-
-
-def scenarios_in_words(load: CaseLoad, volume: LeakVolume = LIQUID) -> str:
-    """Leak rate in each reading of yielding asperities; empty with only one reading."""
-    if not load.others or load.leak_range is None:
-        return ""
-    if not has_two_numbers(load):
-        return phrase("interval.load", "same")
-    digits, claimed = min(load.leak_digits, 2), not load.validity.outside
-    every_one = {load.names[0]: load, **load.others}
-    rates = {name: one.leak.leak_rate for name, one in every_one.items() if one.leak is not None}
-    every = tuple(rates.values())
-    return ", ".join(
-        f"{leak_range_text(rate, digits, claimed=claimed, beside=every, volume=volume)} {SCENARIOS[name].condition}"
-        for name, rate in rates.items()
-    )
-
-
-def _class_fact(case: Case, load: CaseLoad) -> Fact:
-    """The best class, or that none can be claimed."""
-    (short, size), classes = class_size(case), leakage_classes(case, load)
-    name = f"Leakage class, {short}"
-    if not classes:
-        return Fact(name, "not claimed", "leak rate outside the theory")
-    best = next((one for one in classes if one.name), classes[0])
-    remarks = (classes_in_words(classes), size, judged_as(case, load))
-    return Fact(name, str(best), "; ".join(filter(None, remarks)))
-
-
-def _interval_fact(result: SealSolution, load: CaseLoad) -> Fact:
-    assert result.uncertainty is not None
-    volume = volume_of(result.case)
-    remarks = [
-        state_in_words(volume),
-        phrase("facts.remark", uncertain_in_words(result.case, load))
-        + (", in both readings of asperities that yield" if load.others else ""),
-        *accuracy_in_words(load),
-    ]
-    outside = load.validity.outside
-    text = leak_range_text(rate_of(load), load.leak_digits, claimed=not outside, volume=volume)
-    return Fact(
-        f"{percent(result.uncertainty.confidence)} interval of the leak rate",
-        told_after_test(load, volume) if load.tested and not outside else text,
-        "; ".join(filter(None, remarks)),
-    )
-
-
-# Volume of a day below which it is called less than that [m^3].
-_LEAST_PER_DAY = 1e-9
-
-
-def per_day(leak_rate: float | tuple[float, float], digits: int = 2, volume: LeakVolume = LIQUID) -> str:
-    """A leak rate, or both ends of its interval, as volume per day, with two digits at most."""
-    ends = leak_rate if isinstance(leak_rate, tuple) else (leak_rate,)
-    volumes = [volume.measurable(rate) * 86400 for rate in ends]
-    if volumes[-1] < _LEAST_PER_DAY:
-        return "" if volumes[-1] == 0 else f"less than {format_value(_LEAST_PER_DAY, 'volume 1')} per day"
-    unit = unit_for("volume", volumes[-1])
-    texts = [format_digits(unit.of(one), min(digits, 2)) for one in volumes]
-    return f"{range_text(texts[0], texts[-1])} {'litres' if unit.name == 'l' else unit.name} per day"
 
 
 def headline(result: SealSolution) -> str:
@@ -452,83 +265,6 @@ def _peak(load: CaseLoad) -> str:
     return in_words(load, "peak_pressure_Pa")
 
 
-def reasons(result: SealSolution, derived: Derived) -> list[str]:
-    """Reasons for the result: what determines the contact and what throttles the flow."""
-    load = result.highest
-    return [
-        *_width_reasons(result, derived, load),
-        *yielding_reasons(result, load),
-        *opening_reasons(result, load),
-        *_flow_reasons(load),
-        *_asperity_reasons(result, load),
-    ]
-
-
-def _width_reasons(result: SealSolution, derived: Derived, load: CaseLoad) -> Iterator[str]:
-    hertz = derived.loads[result.loads.index(load)].hertz
-    if hertz is None:
-        yield phrase("reasons.width", "conforming", contact=_contact(load))
-        return
-    smooth = result.case.interface.law == "smooth"
-    bulk = min((hertz.std / load.std) ** 2, 1.0)
-    if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
-        parts = ["yielding" if smooth else "rough_yielding"]
-    elif _leaves_curvature(result, hertz, load.peak_pressure):
-        parts = ["other_curvature"]
-    elif smooth:
-        parts = ["smooth"]
-    else:
-        dominant = "roughness" if bulk < 0.25 else "elasticity" if bulk > 0.75 else "both"
-        parts = [dominant, "rough"]
-    yield phrase("reasons.width", *parts, hertz=hertz, peak=_peak(load), width=in_words(load, "fwhm_m"))
-
-
-def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
-    """Whether Hertz does not apply: the contact exceeds the constant curvature, or its peak that of any roughness."""
-    breaks = np.abs(result.case.contact.breaks)
-    return bool((breaks < 2 * hertz.std).any()) or peak > _ABOVE_HERTZ * hertz.peak_pressure
-
-
-def _flow_reasons(load: CaseLoad) -> Iterator[str]:
-    if load.leak is None or load.leak.leak_rate == 0:
-        return
-    if not math.isfinite(load.leak.leak_rate):
-        yield phrase("reasons.fluid", "forced_open")
-        return
-    x, share = load.whole.x, load.leak.fluid_pressure / load.fluid_pressure
-    rising = share if share[-1] > share[0] else 1 - share
-    ends = np.interp(_MIDDLE, rising, x)
-    width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]
-    # with the accuracy of the width of the contact
-    yield phrase("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
-    ratio = load.fluid_pressure / load.peak_pressure
-    if isinstance(load.leak, CoupledLeakResult):
-        effect = "local"
-    elif load.effective_radius is not None:
-        effect = "penetration"
-    else:
-        effect = "opens" if ratio > FLUID_OPENS else "neglected"
-    yield phrase("reasons.fluid", "ratio", effect, ratio=ratio)
-
-
-def _asperity_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
-    surface = result.surface
-    if surface is None:
-        return
-    peak = load.peak_pressure
-    if surface.hardness is None:
-        if load.leak is not None:
-            yield phrase("reasons.asperities", "elastic")
-        return
-    area = float(surface.contact_area(peak))
-    yielded = float(surface.plastic_area(peak)) / area
-    share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    factor, effect = yielding_factor(load)
-    yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
-    if load.others and has_two_numbers(load):
-        yield phrase("interval.load", "why", scenarios=scenarios_in_words(load))
-
-
 def classes_in_words(classes: Sequence[LeakageClass]) -> str:
     """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"; "not claimed" outside the theory."""
     if not classes:
@@ -588,26 +324,3 @@ def _as_given(case: Case, load: CaseLoad) -> str:
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
     finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
     return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)
-
-
-def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
-    """Depth of the deepest imprint, and its body and width; None if nothing has yielded."""
-    imprints = result.imprints
-    if not imprints:
-        return None
-    name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
-    digits = result.strongest.digits_of("fwhm")  # with the accuracy of the width of the contact
-    where = phrase("facts.remark", "imprint", imprint=imprint, body=result.case.label_of(name), digits=digits)
-    return quantity_worth("length", imprint.deepest, digits), where
-
-
-def yielding_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
-    """How far the bodies have yielded at a load that was solved as elastoplastic."""
-    if result.unloaded is None:
-        return
-    zones = {name: zone for name, zone in load.zones.items() if isinstance(zone, PlasticZone)}
-    if not zones:
-        yield phrase("reasons.yielding", "none")
-    for name, zone in zones.items():
-        values = {"body": result.case.label_of(name), "zone": zone, "digits": load.digits_of("fwhm")}
-        yield phrase("reasons.yielding", "zone", **values)

@@ -13,7 +13,7 @@ from around_results import oval_result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_surface import surface
-from sample_results import case, rough_result, run_loads, single_result, smooth_result, with_capped
+from sample_results import case, rough_result, run_loads, single_result, smooth_result, tiles_of, with_capped
 
 import fem_seal
 import leak
@@ -21,14 +21,13 @@ from fem_seal.answers.case_load import case_loads
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.cli.terminal import show_leak_table, show_leakage
+from fem_seal.output.answers.leak import has_two_numbers
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import (
     classes_in_words,
-    facts,
     headline,
     leakage_lines,
     leakage_text,
-    scenarios_in_words,
 )
 from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
@@ -192,8 +191,8 @@ def test_a_target_takes_a_force_in_each_reading():
         assert evaluate_design(asked, (name,), interpolate=False).values[name] == pytest.approx(
             0.2e-6, rel=1e-3
         )
-    (told,) = [one for one in facts(result) if one.name == "Force for the target leak rate"]
-    assert " to " in told.value and "two ends" in told.remark
+    told = tiles_of(result)["Force for the target leak rate"]
+    assert " to " in told.value and "both bounds" in told.remark
 
 
 # -------------------------------------------------------------------- the same number everywhere
@@ -224,8 +223,7 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
         "volume conserved everywhere (C_pl, as in the paper), or the surface changed only where it touches"
     )
     assert sentence in terminal and sentence in headline(result)
-    (tile,) = [fact for fact in facts(result) if fact.name == "Leak rate"]
-    assert tile.value == leak_range_text((rows[-1][LOW], rows[-1][HIGH]))
+    assert tiles_of(result)["Leak rate"].value == leak_range_text((rows[-1][LOW], rows[-1][HIGH]))
     # a sentence has one unit, that of its smallest number
     ends = [end for load in result.loads for end in load.leak_range]
     assert f"{leak_range_text(result.highest.leak_range, beside=ends)} at 20 bar" in headline(result)
@@ -416,4 +414,4 @@ def test_readings_that_are_read_as_one_number_are_not_told_as_two():
     load = rough_result().highest
     for higher, same in ((1.27e-9, True), (1.9e-9, False)):
         one = with_capped(load.with_values(leak=load.leak.scaled(1.26e-9)), load.leak.scaled(higher))
-        assert ("agree" in scenarios_in_words(one)) == same
+        assert has_two_numbers(one) is not same

@@ -13,7 +13,7 @@ from sample_results import SPECTRUM, case, run_loads
 import fem_seal
 import leak
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
-from fem_seal.output.answers.error_shares import error_sentence, measurement_table
+from fem_seal.output.answers.error_shares import measurement_in_brief, measurement_table, shares_in_brief
 from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.files import write_summary
 from fem_seal.seal.findings import Bounds
@@ -91,16 +91,13 @@ def test_the_papers_theory_has_its_readings_and_no_error_of_its_own():
 
 @pytest.mark.slow
 def test_the_sentence_and_the_summary_have_them(tmp_path):
-    told = error_sentence(result())
-    assert "spans a factor of" in told and "rms height" in told and "known exactly, a factor of" in told
-    assert (
-        "With rms height measured to 6 % and roll-off to 21 % (stylus profilometer, one line scan of 5.6 mm"
-        in told
-    )
-    assert "with a leak rate measured to 10 % at 20 bar, 1.4." in told
+    told = shares_in_brief(result(), 0)
+    assert "spans a factor of" in told and "rms height" in told
+    measured = measurement_in_brief(result(), 0)
+    assert "a leak rate measured to 10 % at 20 bar (to a factor of 1.4 from " in measured
     close = run_loads(case(load={"fluid_pressure": "20 bar"}, roughness=FEW, leak=CORRECTED))
-    assert "Without the uncertainty from long waves, a factor of" in error_sentence(close)
-    assert error_sentence(result(*SPREADS, theory="paper")) == ""
+    assert "long waves" in shares_in_brief(close, 0)
+    assert shares_in_brief(result(*SPREADS, theory="paper"), 0) == ""
     summary = json.loads(write_summary(result(), tmp_path / "summary.json").read_text(encoding="utf-8"))
     (entry,) = summary["error_shares"]
     (shares,) = result().error_shares
@@ -145,9 +142,8 @@ def test_a_measured_profile_leaves_what_was_foretold(tmp_path, seed):
     found = fem_seal.run(finished())
     (shares,) = found.error_shares
     assert shares.factor > 2.5 and shares.by_profiles.length == pytest.approx(5.6e-3)
-    assert "With one measured profile of 5.6 mm of each face that has a drawing's finish" in error_sentence(
-        found
-    )
+    profile = "one measured profile of 5.6 mm of each face that has a drawing's finish"
+    assert profile in measurement_in_brief(found, 0)
     (after,) = fem_seal.run(measured(finished(), tmp_path, seed)).error_shares
     assert after.factor == pytest.approx(shares.by_profiles.left, rel=0.15)
 
@@ -159,7 +155,7 @@ def test_an_open_verdict_says_which_heights_would_pass(tmp_path, height, verdict
     required = {"requirement": {"leak_rate": "0.27 ml/min"}}
     found = fem_seal.run(finished(**required))
     assert found.verdict == "inconclusive"
-    told = "one measured profile of 5.6 mm of each face shows heights of at most 1.0 times those usual"
+    told = "a measured profile of 5.6 mm of each face shows at most 1.0 times the median heights"
     assert any(told in one for one in verdict_sentences(found))
     assert fem_seal.run(measured(finished(**required), tmp_path, 2, height)).verdict == verdict
 

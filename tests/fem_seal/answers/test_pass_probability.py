@@ -19,7 +19,7 @@ from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.response_surface import Polynomials, fit_with_prior
 from fem_seal.answers.samples import Samples, uncertain_inputs
-from fem_seal.output.answers.verdict import verdict_facts, verdict_in_brief, verdict_lines, verdict_numbers
+from fem_seal.output.answers.verdict import basis_lines, tiles, verdict_in_brief, verdict_numbers
 from fem_seal.output.report.brief import first_line
 from fem_seal.output.tables import leak_table
 from fem_seal.sampling import sobol_points
@@ -278,8 +278,8 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     table = leak_table(result)
     assert math.isnan(table["pass_probability"][0]) and table["pass_probability"][1] == last.pass_probability
     assert last.pass_probability == 1.0
-    assert any("more than 99.9 % of the samples pass" in line for line in verdict_lines(result))
-    assert ("Passes", "more than 99.9 %") in [fact[:2] for fact in verdict_facts(result)]
+    assert any("more than 99.9 % of the samples pass" in line for line in basis_lines(result))
+    assert ("Passes", "more than 99.9 %") in [(tile.name, tile.value) for tile in tiles(result)]
     assert verdict_numbers(result)["pass_probability"] == 1.0
     # of a verdict that is open it is the first line that says it
     limit = {"requirement.leak_rate": last.leak.leak_rate, "requirement.fluid_pressure": ["5 bar", "20 bar"]}
@@ -287,7 +287,7 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     line = first_line(fem_seal.run(wanted.replace(limit), sensitivities=False))
     assert line.startswith("Inconclusive at 20 bar: ") and line.endswith(" % of such seals pass")
     none = replace(result, loads=(first, last.with_values(passing=PassProbability(why_none="of this"))))
-    assert any("no probability to pass is known: of this" in line for line in verdict_lines(none))
+    assert any("no probability to pass is known: of this" in line for line in basis_lines(none))
 
 
 @pytest.mark.slow

@@ -12,13 +12,16 @@ from sample_results import STEEL, ball, case, cone, run_loads
 
 import fem_seal
 from fem_seal.answers.accuracy import NOT_ESTIMATED
-from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.judgement import VerdictForce
 from fem_seal.answers.verdict import _begins
-from fem_seal.output.answers.target import valve_facts
-from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences, verdict_lines
+from fem_seal.output.answers.verdict import (
+    FORCE_TO_PASS,
+    basis_lines,
+    force_to_pass,
+    tiles,
+    verdict_force_sentences,
+)
 from fem_seal.output.files import summary
-from fem_seal.output.report.words import reasons
 from leak import Reading
 
 DRAWN = {"Ra": "0.4 um", "process": "lapped"}
@@ -83,13 +86,12 @@ def test_what_a_drawing_leaves_open_is_in_the_force():
         assert under.verdict == verdict
         assert under.loads[0].sampled is not None
     told = f"from an applied force of {force_to_pass(found.force_for_verdict)} on"
-    (line,) = [one for one in verdict_lines(result) if "lets the verdict" in one or "verdict passes" in one]
+    (line,) = [one for one in basis_lines(result) if "lets the verdict" in one or "verdict passes" in one]
     assert told in line
     assert json.loads(json.dumps(summary(result)["verdict_force"]))[0]["force"] == found.force_for_verdict
     assert summary(result)["loads"][0]["force_for_verdict_N"] == found.force_for_verdict
-    (tile,) = [one for one in valve_facts(result, found) if one[0] == "Force for a pass"]
-    assert tile[1] == force_to_pass(found.force_for_verdict)
-    assert any(told in one for one in reasons(result, derive(of)))
+    (tile,) = [one for one in tiles(result) if one.name == FORCE_TO_PASS]
+    assert tile.value == force_to_pass(found.force_for_verdict)
 
 
 @pytest.mark.slow
@@ -113,10 +115,8 @@ def test_a_target_does_not_touch_the_verdict_of_its_load():
     asked = run_loads(case(load={"fluid_pressure": "2 bar", "target_leak_rate": "0.02 mm^3/s"}, **tables))
     assert asked.loads[0].validity == plain.loads[0].validity
     assert asked.loads[0].judgement == plain.loads[0].judgement
-    asked_lines = [
-        one for one in verdict_lines(asked) if "lets the verdict" not in one and "passes" not in one
-    ]
-    assert asked_lines == verdict_lines(plain)
+    asked_lines = [one for one in basis_lines(asked) if "lets the verdict" not in one and "passes" not in one]
+    assert asked_lines == basis_lines(plain)
 
 
 @pytest.mark.slow
@@ -148,8 +148,8 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     assert said.startswith(
         "The force with which the verdict passes was not calculated: where a body yields, "
     )
-    (tile,) = [one for one in valve_facts(plain, plain.loads[0]) if one[0] == "Force for a pass"]
-    assert tile[1] == "not calculated"
+    (tile,) = [one for one in tiles(plain) if one.name == FORCE_TO_PASS]
+    assert tile.value == "not calculated"
     with pytest.MonkeyPatch.context() as few:
         few.setattr("fem_seal.answers.accuracy.on_coarser_mesh", lambda *given: None)
         few.setattr("fem_seal.answers.accuracy.discretisation_error", lambda *given: NOT_ESTIMATED)

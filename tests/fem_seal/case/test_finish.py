@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from places import EXAMPLES
+from sample_results import tiles_of
 
 import fem_seal
 from fem_seal.answers.answer import loads_of
@@ -18,7 +19,7 @@ from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.case.roughness import read_finish
 from fem_seal.case.tables import Uncertainty
 from fem_seal.output.case_words import finish_numbers, finish_rows
-from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.output.report.words import headline, leakage_lines
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
@@ -155,18 +156,13 @@ def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
 
 def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solved):
     load, ends = solved.highest, solved.leak_ranges[solved.loads.index(solved.highest)]
-    tiles = facts(solved)
-    assert [one.name for one in tiles[:3]] == [
-        "90 % interval of the leak rate",
-        "In other units",
-        "Leak rate, usual finish",
-    ]
-    assert tiles[0].value == leak_range_text(ends)
+    tiles = tiles_of(solved)
+    rate, others = tiles["Leak rate"], tiles["In other units"]
+    assert rate.value == leak_range_text(ends)
     first = leakage_lines(solved.case, load, solved.loads)[0]
-    assert tiles[1].value in first and tiles[1].remark in first
-    assert tiles[2].value == leak_range_text(
-        (load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate)
-    )
+    assert others.value in first and others.remark in first
+    both = load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate
+    assert f"{leak_range_text(both, 2)} median surface of this finish" in rate.remark
 
 
 def test_given_profiles_have_the_interval_of_the_finish(solved):

@@ -15,16 +15,18 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 from judged_loads import SURFACE, judged
 from judged_loads import load as judged_load
-from sample_results import case, rough_result, with_capped
+from sample_results import case, rough_result, tiles_of, with_capped
 
 from fem_seal.answers.closed_forms import derive
 from fem_seal.cli import app as cli
 from fem_seal.explore.screen import leak_words, shown_load
+from fem_seal.output.answers.contact import _width_reason
 from fem_seal.output.answers.variants import variant_table
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.page import comparison_table
-from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
+from fem_seal.output.report.words import headline, leakage_lines
+from fem_seal.output.shown_answers import pages_of
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
@@ -74,8 +76,8 @@ def all_words(result) -> str:
     return "\n".join(
         (
             headline(result),
-            *(f"{one.value}; {one.remark}" for one in facts(result)),
-            *reasons(result, derive(case)),
+            *(f"{one.value}; {one.remark}" for one in tiles_of(result).values()),
+            *(reason for page in pages_of(result) for reason in page.why),
             *leakage_lines(case, load, result.loads),
             *(f"{one.text}; {one.reason}" for one in cautions),
             *(" | ".join(row) for row in variant_table(result).rows),
@@ -238,8 +240,10 @@ def test_a_leak_rate_has_the_digits_that_its_theory_leaves(error, digits):
         assert COLUMNS[name].digits(load) == digits == load.leak_digits
     # pressures do not follow from the theory of flow, and a force for a target from that of another contact
     assert COLUMNS["peak_pressure_Pa"].digits(load) == 4 == load.digits_of("force_for_target")
-    result = replace(rough_result(), loads=(load,))
-    told = headline(result) + facts(result)[0].value + leakage_lines(result.case, load, [load])[0]
+    result = replace(rough_result(), loads=(*rough_result().loads[:-1], load))
+    told = (
+        headline(result) + tiles_of(result)["Leak rate"].value + leakage_lines(result.case, load, [load])[0]
+    )
     for leak_rate in load.leak_range:
         assert not with_too_many_digits(told, leak_rate, digits)
 
@@ -268,15 +272,15 @@ def test_nothing_is_no_number_with_a_unit(level, said):
     assert first.startswith(f"Leak rate at 20 bar: {said} ({level}")
 
 
-def test_of_a_contact_that_reaches_its_ends_hertz_is_no_measure():
+def test_of_a_contact_that_reaches_its_ends_hertz_is_no_measure(monkeypatch):
     """On a land narrower than Hertz's contact the peak is higher than his, which no roughness does."""
     result = rough_result()
     derived = derive(result.case)
-    (usual, *_) = reasons(result, derived)
-    assert "governs the width" in usual
+    assert "width of the contact" in _width_reason(result, result.case.display, result.highest)
     smooth = derived.loads[-1].hertz
     higher = smooth.peak_pressure / (result.highest.contact.profile.peak_pressure / 1.2)
     flatter = replace(smooth, radius=smooth.radius * higher**2)
     narrow = replace(derived, loads=(*derived.loads[:-1], replace(derived.loads[-1], hertz=flatter)))
-    (told, *_) = reasons(result, narrow)
-    assert "extends beyond that curvature or to the end of a face" in told and "governs" not in told
+    monkeypatch.setattr("fem_seal.output.answers.contact.derive_beside", lambda result: narrow)
+    told = _width_reason(result, result.case.display, result.highest)
+    assert "beyond the curvature at the contact circle" in told and "govern" not in told

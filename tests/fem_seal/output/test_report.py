@@ -41,7 +41,7 @@ from fem_seal.output.shown import Tile
 from fem_seal.output.shown_answers import SHOWN
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Level, Validity, remark
-from fem_seal.units import leak_range_text, unit_for
+from fem_seal.units import Display, leak_range_text, unit_for
 from leak import Reading
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
@@ -503,13 +503,12 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
     # one direction with the line load of the tables: normal to the seat's 45 deg
     per_length = 5.0 / (2 * math.pi * load.contact.model.initial_contact_radius * math.sqrt(0.5))
     assert load.line_load / load.contact_force == pytest.approx(1e3 * per_length / 5e3)
-    told = target_in_brief(result)
-    assert f"of 6000 N, {per_length:.3g} N/mm normal to the contact, brings" in told and told.endswith(
-        "1 ml/min at 20 bar"
-    )
+    told = target_in_brief(result, Display())
+    assert told.startswith("Target of 1 ml/min at 20 bar")
+    assert told.endswith(f"of 6000 N ({per_length:.3g} N/mm normal to the contact)")
     crushed = remark("yield stress", Level.OUTSIDE, "seat yields")
     result.loads = [load.with_values(target_validity=Validity((crushed,)))]
-    assert target_in_brief(result).endswith("(outside the theory: seat yields)")
+    assert target_in_brief(result, Display()).endswith("; outside the theory: seat yields")
 
 
 def test_the_force_for_the_target_is_that_of_the_load_that_needs_most():
@@ -521,8 +520,8 @@ def test_the_force_for_the_target_is_that_of_the_load_that_needs_most():
     low = replace(high, fluid_pressure=0.1 * high.fluid_pressure).with_values(
         force_for_target=1.2e3, contact_force_for_target=5e3, target_validity=Validity(())
     )
-    told = target_in_brief(Mock(highest=high, loads=[low, high], case=chosen))
-    assert "of 1200 N" in told and told.endswith("at 2 bar")
+    told = target_in_brief(Mock(highest=high, loads=[low, high], case=chosen), Display())
+    assert "of 1200 N" in told and "at 2 bar" in told
 
 
 def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
@@ -551,7 +550,10 @@ def test_the_first_lines_say_that_no_force_meets_the_target():
     result = run_loads(case(load={"fluid_pressure": "20 bar", "target_leak_rate": "1e3 m^3/s"}))
     assert result.highest.force_for_target is None
     told = next(one for one in result.warnings if one.startswith("load.target_leak_rate"))
-    assert target_in_brief(result) == f"Target leak rate {told.removeprefix('load.target_leak_rate = ')}"
+    assert (
+        target_in_brief(result, Display())
+        == f"Target leak rate {told.removeprefix('load.target_leak_rate = ')}"
+    )
 
 
 def test_the_interval_names_inputs_besides_the_finish():

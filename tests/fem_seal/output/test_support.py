@@ -7,11 +7,12 @@ from sample_results import case, run_loads, smooth_result
 
 from fem_seal.output.answers.support import supported_by, theory_in_brief
 from fem_seal.output.report.brief import lines_in_brief
+from fem_seal.output.shown_answers import pages_of
 
 
 def test_the_papers_theory_gives_one_number_and_the_default_beside_it():
     result = run_loads(case(load={"fluid_pressure": "20 bar"}))
-    first, *_ = lines_in_brief(result)
+    first, *_ = lines_in_brief(result, pages_of(result))
     rate = result.case.display.leak_range(result.highest.leak.leak_rate, 2)
     assert first.startswith(f"Leaks {rate} by the theory of Fischer et al. 2020 at 20 bar")
     corrected = result.highest.scenario("corrected").leak_interval
@@ -29,7 +30,7 @@ def test_the_default_theory_is_not_compared():
 @pytest.mark.parametrize("theory", ["paper", "corrected"])
 def test_every_line_is_a_short_sentence(theory):
     result = run_loads(case(load={"fluid_pressure": "20 bar"}, leak={"theory": theory}))
-    assert max(len(line.split()) for line in lines_in_brief(result)) <= 25
+    assert max(len(line.split()) for line in lines_in_brief(result, pages_of(result))) <= 25
 
 
 def test_without_a_leak_rate_nothing_is_supported():

@@ -14,7 +14,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from sample_results import case as sample_case
-from sample_results import cone, smooth_case
+from sample_results import cone, smooth_case, tiles_of
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive, profile_sizes
@@ -32,6 +32,7 @@ from fem_seal.output.pictures import contact as pictures_contact
 from fem_seal.output.pictures import leak as pictures_leak
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
+from fem_seal.output.shown_answers import pages_of
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
@@ -342,16 +343,16 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
 
 
 def test_the_report_says_what_it_compares(proof: SealResult) -> None:
-    (fact,) = [fact for fact in words.facts(proof) if fact.name == "Largest stress in the bodies"]
+    fact = tiles_of(proof)["Largest stress"]
     body = proof.loads[1].max_von_mises_at[0]
     assert body == "closure"  # the seat cannot carry it
     assert fact.remark == "von Mises, in the closure"
     derived = derive(proof.case)
-    (said,) = [text for text in words.reasons(proof, derived) if "smooth elastic" in text]
+    (said,) = [text for page in pages_of(proof) for text in page.why if "smooth elastic" in text]
     hertz, profile = derived.loads[1].hertz, proof.loads[1].contact.profile
     assert hertz is not None
     # Hertz' bodies touch over 2 a; half of the peak is reached over sqrt(3) a
-    assert f"full width at half maximum of {np.sqrt(3) * hertz.half_width * 1e3:.3f} mm" in said
+    assert f"{np.sqrt(3) * hertz.half_width * 1e3:.3f} mm" in said
     assert f"{profile.fwhm * 1e3:.3f} mm wide" in said and "touch" not in said
 
 

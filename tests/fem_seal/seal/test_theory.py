@@ -16,7 +16,7 @@ import leak
 from fem_seal.answers.closed_forms import closed_form_limits
 from fem_seal.explore.session import Session
 from fem_seal.output.answers.variants import theories_in_words
-from fem_seal.output.answers.verdict import verdict_lines
+from fem_seal.output.answers.verdict import basis_lines
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.evaluate import evaluate
@@ -141,12 +141,12 @@ def test_the_headline_of_the_papers_theory_has_the_corrected_one_beside_it():
 def test_a_verdict_that_only_the_papers_theory_would_give_is_remarked():
     asked = {"load.fluid_pressure": "20 bar", "requirement.leak_rate": "150 ml/min"}
     passes = fem_seal.run(example("ball_cone", **CORRECTED).replace(asked))
-    assert passes.verdict == "pass" and not any("theory alone" in one for one in verdict_lines(passes))
+    assert passes.verdict == "pass" and not any("theory alone" in one for one in basis_lines(passes))
     fails = fem_seal.run(
         example("ball_cone", **CORRECTED).replace({**asked, "requirement.leak_rate": "50 ml/min"})
     )
     assert fails.verdict == "fail"
-    (remark,) = [one for one in verdict_lines(fails) if "theory alone" in one]
+    (remark,) = [one for one in basis_lines(fails) if "theory alone" in one]
     assert "By the paper's theory alone it would be inconclusive: 23 to 120 ml/min at 20 bar" in remark
 
 
@@ -160,8 +160,8 @@ def test_samples_have_the_other_verdict_of_the_inputs_as_given():
     }
     fails = fem_seal.run(example("ball_cone").replace({"leak.theory": "corrected", **required}))
     assert fails.verdict == "fail" and fails.highest.sampled is not None
-    (remark,) = [one for one in verdict_lines(fails) if "theory alone" in one]
-    told = "With the inputs as given it would be fail, and by the paper's theory alone inconclusive: "
+    (remark,) = [one for one in basis_lines(fails) if "theory alone" in one]
+    told = "With the inputs as stated it would be fail, and by the paper's theory alone inconclusive: "
     assert told in remark
 
 
