@@ -289,7 +289,9 @@ def shown_load(load: CaseLoad, case: Case) -> ShownLoad:
         load.validity.reasons,
         tuple(str(name) for name in leakage_classes(case, load)),
         {name: COLUMNS[name].digits(load) for name in FIELDS},
-        dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), hardest_land(load) if len(load.profiles) > 1 else ""),
+        dict.fromkeys(
+            ("peak_pressure_Pa", "fwhm_m"), hardest_land(load, case.display) if len(load.profiles) > 1 else ""
+        ),
     )
 
 

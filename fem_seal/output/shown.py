@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.output.columns import ReadableTable
@@ -146,14 +146,10 @@ class Shown:
         What stands under these keys where it is asked for nothing; a key that is not here is left out then.
     tables : mapping
         Names of CSV files, and functions for their headings and rows.
-    section : callable
-        The answer's own section of the report, or None.
     words : mapping
         Names in the template of the report and functions for their values, None where it is asked for nothing.
     pictures : callable
         Its pictures, as far as the result has them.
-    lines : callable
-        Lines on the terminal.
     page : callable
         What it says of a result in the units of a display.
     """
@@ -162,19 +158,13 @@ class Shown:
     summary: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
     absent: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, Callable[[SealSolution], CsvTable]] = field(default_factory=dict)
-    section: Callable[[SealSolution], Section | None] = lambda result: None
     words: Mapping[str, Callable[[SealSolution], Any]] = field(default_factory=dict)
     pictures: Callable[[SealSolution], Iterable[Picture | None]] = lambda result: ()
-    lines: Callable[[SealSolution], Sequence[str]] = lambda result: ()
     page: Callable[[SealSolution, Display], AnswerPage] = lambda result, display: AnswerPage()
 
     def page_of(self, result: SealSolution, display: Display) -> AnswerPage:
         """What it says of a result; nothing without an answer."""
-        if not self.asked(result):
-            return AnswerPage()
-        page = self.page(result, display)
-        section, details = page.section or self.section(result), page.details or self.lines(result)
-        return replace(page, section=section, details=details)
+        return self.page(result, display) if self.asked(result) else AnswerPage()
 
     def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
         """Keys of summary.json with their values, or what stands there without an answer."""

@@ -47,8 +47,6 @@ class ScenarioWords:
         A noun, such as "elastic asperities"; only where its leak rate is worked out with every load.
     curve : str
         In the legend of a picture.
-    short : str
-        The same beside a name.
     condition : str
         A clause that begins with "if"; only of scenarios whose numbers stand beside wherever one is told.
     taken : str
@@ -65,7 +63,6 @@ class ScenarioWords:
     columns: tuple[str, ...] = ()
     asperities: str = ""
     curve: str = ""
-    short: str = ""
     condition: str = ""
     taken: str = ""
     title: str = ""

@@ -2,76 +2,49 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.leakage_class import is_flange, seal_length, volume_of
-from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.target import target_text
 from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
-from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Section, Shown, worded_section
+from fem_seal.output.shown import AnswerPage, Shown, Tile, worded_section
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import leak_range_text
+from fem_seal.wording import say, say_all
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.units import Display
 
 
-def bolts_in_words(result: SealSolution) -> list[str]:
-    """The bolts at the load with the highest fluid pressure; empty without bolts.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    return [] if result.bolts is None or result.highest.bolts is None else list(_sentences(result))
-
-
-def _sentences(result: SealSolution) -> Iterator[str]:
+def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
+    """The bolts at the load with the highest fluid pressure."""
     load, found = result.highest, result.bolts
     state, at = load.bolts, load_name(load, result.loads)
     assert found is not None and state is not None  # of all who ask
-    yield phrase(
-        "bolts.state",
-        "preload",
-        "torque" if state.torque is not None else "",
-        "force",
-        "heat" if found.bolts.thermal_force else "",
-        "stress",
-        "" if state.utilisation is None else "yields" if state.utilisation > 1.0 else "strength",
-        load=at,
-        bolts=found.bolts,
-        state=state,
-        heat=found.bolts.thermal_force / found.bolts.number,
-    )
+    heat = found.bolts.thermal_force / found.bolts.number
+    yield from say_all(display, "bolts", "state", load=at, bolts=found.bolts, state=state, heat=heat)
     if load.at_preload_ends is not None:
-        kind = "scatter" if load.at_preload_ends[1] < float("inf") else "scatter_opens"
         volume = volume_of(result.case)
-        gas = f" (gas at {volume.state})" if volume.state else ""
-        told = leak_range_text(load.at_preload_ends, 2, volume=volume)
-        yield phrase("bolts.leak", kind, load=at, share=found.bolts.scatter, ends=told, gas=gas)
+        ends = display.leak_range(load.at_preload_ends, 2, volume=volume)
+        scatter = {"share": found.bolts.scatter, "opens": math.isinf(load.at_preload_ends[1])}
+        yield say(display, "bolts", "scatter", load=at, ends=ends, gas=volume.state, **scatter)
     if is_flange(result.case) and load.leak_interval is not None:
         assert load.leak is not None and load.leak.mass_flow is not None  # of a gas
         density = load.leak.mass_flow / load.leak.leak_rate if load.leak.leak_rate > 0 else 0.0
-        ends = tuple(density * one / seal_length(result.case) for one in load.leak_interval)
+        ends_per_length = tuple(density * end / seal_length(result.case) for end in load.leak_interval)
         if density > 0:
-            yield phrase("bolts.leak", "per_length", load=at, ends=ends)
-    yield from _target(result)
-
-
-def _target(result: SealSolution) -> Iterator[str]:
-    load, target = result.highest, result.case.load.target_leak_rate
-    state, force = load.bolts, load.contact_force_for_target
-    if target is None or force is None or state is None or state.preload_for_target is None:
-        return
-    yield phrase(
-        "bolts.target",
-        "preload",
-        "torque" if state.torque_for_target is not None else "",
-        "stress" if state.stress_for_target is not None else "",
-        target=target_text(result, target),
-        load=load_name(load, result.loads),
-        state=state,
-    )
+            yield say(display, "bolts", "per_length", load=at, ends=ends_per_length)
+    target = result.case.load.target_leak_rate
+    if (
+        target is not None
+        and load.contact_force_for_target is not None
+        and state.preload_for_target is not None
+    ):
+        of_target = target_text(result, target)
+        yield from say_all(display, "bolts", "target", target=of_target, load=at, state=state)
 
 
 def bolt_table(result: SealSolution) -> ReadableTable:
@@ -88,13 +61,23 @@ def _numbers(result: SealSolution) -> dict[str, Any] | None:
     return {**asdict(found.bolts), "loads": [asdict(one) for one in found.loads]}
 
 
-def _section(result: SealSolution) -> Section | None:
-    return worded_section("bolts", bolts_in_words(result), bolt_table(result))
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    load = result.highest
+    if load.bolts is None:
+        return AnswerPage()
+    sentences = list(_sentences(result, display))
+    preload = display.quantity(load.bolts.preload, "force 3")
+    at = load_name(load, result.loads)
+    return AnswerPage(
+        tiles=[Tile("Preload of the bolts", preload, say(display, "bolts", "torque", state=load.bolts), 25)],
+        why=[say(display, "bolts", "carried", load=at, state=load.bolts)],
+        section=worded_section("bolts", sentences, bolt_table(result)),
+        details=sentences,
+    )
 
 
 SHOWN = Shown(
     lambda result: result.bolts,
     summary=lambda result: {"bolts": _numbers(result)},
-    section=_section,
-    lines=bolts_in_words,
+    page=_page,
 )

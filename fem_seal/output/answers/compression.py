@@ -7,35 +7,16 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.compression import COMPRESSION, Compression
 from fem_seal.output.pictures.colours import BLUE, GREY
-from fem_seal.output.pictures.style import Picture, captioned, label, number_dots, panels
-from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Section, Shown, worded_section, worded_table
+from fem_seal.output.pictures.style import NARROW, Picture, captioned, label, number_dots, panels
+from fem_seal.output.shown import AnswerPage, Shown, Tile, worded_section, worded_table
 from fem_seal.output.tables import COMPRESSION_COLUMNS
 from fem_seal.units import fixed_unit, unit_for
+from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.tables import CsvTable
-
-
-def compression_in_words(result: SealSolution) -> list[str]:
-    """Line load, largest compression and springback; empty for a valve seat.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    found = COMPRESSION.of(result.answers)
-    if found is None:
-        return []
-    most = found.largest
-    known = "springs" if result.problem.follows_path else "elastic"
-    after = "unknown" if found.springback is None else known
-    back, left = found.springback or 0.0, found.left or 0.0
-    meet = "" if found.stop is None else "stopped" if most.stop_force else "not_stopped"
-    return [
-        phrase("compression.result", "most", after, meet, most=most, back=back, left=left, stop=found.stop)
-    ]
+    from fem_seal.units import Display
 
 
 def compression_picture(result: SealSolution) -> Picture | None:
@@ -52,7 +33,7 @@ def compression_picture(result: SealSolution) -> Picture | None:
     per_length = fixed_unit("N/mm")
     over = [step.compression / unit.size for step in found.steps]
     loads = [per_length.of(step.line_load) for step in found.steps]
-    figure, (axes,) = panels(1, height=3.5, width=6.4)
+    figure, (axes,) = panels(1, height=3.5, width=NARROW)
     axes.plot(over, loads, "o-", color=BLUE, ms=3.8)
     for place in (0.0,) if found.stop is None else (0.0, found.stop / unit.size):
         axes.axvline(place, color=GREY, linewidth=0.8)
@@ -65,14 +46,24 @@ def compression_picture(result: SealSolution) -> Picture | None:
     return captioned(figure, "compression", "all", "left" if left else "", stop)
 
 
-def _section(result: SealSolution) -> Section | None:
+def _page(result: SealSolution, display: Display) -> AnswerPage:
     found = COMPRESSION.of(result.answers)
-    steps = () if found is None else found.steps
-    without = () if found is not None and found.stop is not None else ("force of the stop",)
-    table = worded_table("compression", [{"step": one} for one in steps], without=without)
-    sentences = compression_in_words(result)
-    return worded_section(
-        "compression", [*sentences, phrase("compression.result", "meaning")] if sentences else [], table
+    if found is None:
+        return AnswerPage()
+    most, back, left = found.largest, found.springback, found.left or 0.0
+    after = "unknown" if back is None else "springs" if result.problem.follows_path else "elastic"
+    values = {"most": most, "after": after, "back": back or 0.0, "left": left, "stop": found.stop}
+    sentences = say_all(display, "compression", "result", **values)
+    without = () if found.stop is not None else ("force of the stop",)
+    table = worded_table("compression", [{"step": step} for step in found.steps], without=without)
+    remark = say(display, "compression", "left", after=after, left=left)
+    return AnswerPage(
+        tiles=[Tile("Compression", display.quantity(most.compression, "length 3"), remark, 50)],
+        why=[say(display, "compression", "meet", most=most, stop=found.stop)] if most.stop_force else (),
+        section=worded_section(
+            "compression", [*sentences, *say_all(display, "compression", "meaning")], table
+        ),
+        details=sentences,
     )
 
 
@@ -91,7 +82,6 @@ SHOWN = Shown(
     summary=lambda result: {"compression": _numbers(COMPRESSION.of(result.answers))},
     absent={"compression": None},
     tables={"compression.csv": _rows},
-    section=_section,
     pictures=lambda result: (compression_picture(result),),
-    lines=compression_in_words,
+    page=_page,
 )

@@ -28,7 +28,7 @@ PEAK = "Peak contact pressure"
 
 def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Tile]:
     level = load.validity.of_contact.level
-    land = hardest_land(load) if len(load.profiles) > 1 else ""
+    land = hardest_land(load, display) if len(load.profiles) > 1 else ""
     peak, mean = (
         in_words(load, "peak_pressure_Pa"),
         load.circumference is not None and load.circumference.form.felt,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -11,21 +11,21 @@ import numpy as np
 
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
-from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import in_scenario, phrase
-from fem_seal.output.shown import AnswerPage, Section, Shown, by_scenario, worded_section, worded_table
+from fem_seal.output.shown import AnswerPage, Shown, by_scenario, worded_section, worded_table
 from fem_seal.output.tables import AROUND_COLUMNS
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import BESIDE
-from fem_seal.units import leak_range_text, number, quantity
+from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
     from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.output.tables import CsvTable
     from fem_seal.seal.circumference import Circumference
+    from fem_seal.units import Display
 
 
 # Share of the leak whose part of the circumference is reported.
@@ -35,126 +35,108 @@ _AS_LITTLE, _NAMED = 0.005, 4
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 
 
-def form_in_words(result: SealSolution) -> list[str]:
-    """Answers about a form error, a sentence or two for each; empty for a round seal."""
-    answers = result.form
-    return [] if answers is None else [text for text in _sentences(result, answers) if text]
-
-
-def form_in_brief(result: SealSolution) -> str:
-    """The tolerance that a drawing needs, in one line; empty without a form error, or where the case has no limit.
+def tolerance(result: SealSolution, display: Display) -> str:
+    """The tolerance that a drawing needs, in one sentence; empty without a form error, or where the case has no limit.
 
     Parameters
     ----------
     result : SealSolution
+    display : Display
     """
-    found, case = None if result.form is None else result.form.allowed, result.case
+    answers, case = result.form, result.case
     asked = case.requirement is not None or case.load.target_leak_rate is not None
-    if found is None or not asked or result.highest.validity.outside:
+    if answers is None or answers.allowed is None or not asked or result.highest.validity.outside:
         return ""
-    aside = phrase("form.allowed", "aside")
-    told = [one for one in _allowed_in_words(found, {}, result.highest) if one != aside]
-    return told[-1].rstrip(".") if told else ""
+    return _zone(answers, result.highest, display) or _size(answers, display)
 
 
-def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
+def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> Iterator[str]:
     load = result.highest
     at = load_name(load, result.loads)
     if load.leak is not None and load.leak_round is not None:
         own, as_round = (
             [leak.leak_rate for leak in leaks if leak is not None]
             for leaks in zip(
-                *((one.leak, one.leak_round) for one in (load, *load.others.values())), strict=True
+                *((read.leak, read.leak_round) for read in (load, *load.others.values())), strict=True
             )
         )
-        yield phrase(
-            "form.leak",
-            "round",
-            load=at,
-            rate=_rate(load, *own, beside=(*own, *as_round)),
-            round=_rate(load, *as_round, beside=(*own, *as_round)),
-        )
-        if state := volume_of(result.case).state:
-            yield phrase("form.leak", "volume", state=state)
-    if answers.tolerance_waves is not None:
-        yield phrase("form.tolerance", "worst", waves=answers.tolerance_waves)
-    if len(answers.waves) > 1:
-        yield phrase("form.waves", "worst", worst=answers.waves[0], load=at)
-    yield from _closing(answers, load)
+        rate, of_round = (_rate(load, display, *rates, beside=(*own, *as_round)) for rates in (own, as_round))
+        state = volume_of(result.case).state
+        yield from say_all(display, "form", "leak", load=at, rate=rate, round=of_round, state=state)
+    yield from say_all(display, "form", "worst", answers=answers, load=at)
+    if load.circumference is not None and load.circumference.form.felt:
+        # only results with a form error need this module
+        from fem_seal.answers.form import CLOSED
+
+        yield say(display, "form", "closing", force=answers.closing_force, load=load, closed=CLOSED)
     if answers.allowed is not None and not load.validity.outside:
-        yield from _allowed_in_words(answers.allowed, answers.allowed_others, load)
-    yield from _scratches(answers, load)
+        yield from filter(None, (_size(answers, display), _zone(answers, load, display)))
+        if answers.allowed.waves is not None and any(_zones(answers)[:1]):
+            scratched = load.around is not None and load.around.scratches is not None
+            waves = answers.allowed.waves
+            yield from say_all(display, "form", "zone_holds", waves=waves, scratched=scratched)
+    yield from _scratches(answers, load, display)
     if answers.goes_round is not None:
-        yield phrase("form.round", "share", share=answers.goes_round, load=at)
+        yield say(display, "form", "goes_round", share=answers.goes_round, load=at)
 
 
-def _rate(load: CaseLoad, *rates: float | None, beside: Sequence[float] = ()) -> str:
+def _rate(load: CaseLoad, display: Display, *rates: float | None, beside: Sequence[float] = ()) -> str:
     """One leak rate, or the ends of several, in the common unit with `beside`."""
-    ends = Bounds.of(rate for rate in rates if rate is not None)
-    return leak_range_text(
-        ends if ends.apart else ends.low, load.leak_digits, claimed=not load.validity.outside, beside=beside
-    )
+    ends, claimed = Bounds.of(rate for rate in rates if rate is not None), not load.validity.outside
+    rate = ends if ends.apart else ends.low
+    return display.leak_range(rate, load.leak_digits, claimed=claimed, beside=beside)
 
 
-def _closing(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
-    circumference = load.circumference
-    if circumference is None or not circumference.form.felt:
-        return
-    # only results with a form error need this module
-    from fem_seal.answers.form import CLOSED
+def _size(answers: FormAnswers, display: Display) -> str:
+    """How large the form error may be, by both bounds of yielding; empty if any size is allowed."""
+    allowed = answers.allowed
+    assert allowed is not None  # of all who ask
+    # of a round seal that leaks too much there is none
+    sizes = [one.factor for one in (allowed, *answers.allowed_others.values())]
+    least, most = sorted((sizes[0], sizes[-1]), key=lambda size: -1.0 if size is None else size)
+    if least is not None and math.isinf(least):
+        return ""
+    factors = [size if size is None or math.isinf(size) else _down(size) for size in (least, most)]
+    rate = allowed.leak_rate
+    return say(display, "form", "size", factors=factors, limit=_name_of_limit(allowed), rate=rate)
 
-    force = answers.closing_force
-    kind = "never" if force is None else "enough" if force <= load.applied_force else "force"
-    yield phrase("form.closing", kind, force=force, load=load, closed=CLOSED)
 
-
-def _allowed_in_words(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) -> Iterator[str]:
-    """Allowed size of the form error, each followed by that of the other readings of yielding asperities."""
+def _name_of_limit(allowed: Allowed) -> str:
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
-    limit = names.get(allowed.limit, f"limit of {allowed.limit}")
-    if allowed.factor is None:
-        yield phrase("form.allowed", "round_leaks_more", limit=limit, rate=allowed.leak_rate)
-        return
-    if math.isfinite(allowed.factor):
-        kind, factor = "larger" if allowed.factor > 1 else "smaller", _down(allowed.factor)
-        yield phrase("form.allowed", kind, factor=factor, limit=limit, rate=allowed.leak_rate)
-    for scenario, other in others.items():
-        if other.factor is None:
-            yield in_scenario(scenario, load.names[0], "even the round seal leaks more")
-        elif math.isfinite(other.factor):
-            first, second = (number(_down(one), 2) for one in (allowed.factor, other.factor))
-            if first != second:
-                yield in_scenario(scenario, load.names[0], f"the form error may be {second} times as large")
-    if load.around is not None and load.around.scratches is not None:
-        yield phrase("form.allowed", "aside")
-    if allowed.zone is not None and math.isfinite(allowed.zone):
-        kind, zone = _DIRECTIONS[allowed.direction], _down(allowed.zone)
-        which = "drawing" if zone else "no_zone"
-        assert load.circumference is not None  # of a form error
-        normal = load.contact.model.touch_normal_z
-        share = normal if allowed.direction == "axial" else math.sqrt(1.0 - normal**2)
-        now = float(np.ptp(load.circumference.gap_change)) / share
-        yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit, now=now)
-    for scenario, other in others.items():
-        if other.zone is not None and math.isfinite(other.zone):
-            first, second = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
-            if first != second:
-                yield in_scenario(scenario, load.names[0], f"the tolerance is {second}")
+    return names.get(allowed.limit, f"limit of {allowed.limit}")
 
 
-def _scratches(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
-    added = [one.around.scratches for one in (load, *load.others.values()) if one.around is not None]
+def _zones(answers: FormAnswers) -> list[float]:
+    """Tolerance on the drawing by both bounds of yielding, the smaller first [m]; empty if there is no limit for it."""
+    known = [one.zone for one in (answers.allowed, *answers.allowed_others.values()) if one is not None]
+    zones = sorted(zone for zone in known if zone is not None)
+    # by a bound by which even the round seal leaks too much there is none
+    every = len(zones) == len(known) > 0
+    return [_down(zone) for zone in zones] if every and math.isfinite(zones[0]) else []
+
+
+def _zone(answers: FormAnswers, load: CaseLoad, display: Display) -> str:
+    allowed, zones = answers.allowed, _zones(answers)
+    if allowed is None or not zones:
+        return ""
+    assert load.circumference is not None  # of a form error
+    normal = load.contact.model.touch_normal_z
+    share = normal if allowed.direction == "axial" else math.sqrt(1.0 - normal**2)
+    now = float(np.ptp(load.circumference.gap_change)) / share
+    kind, limit = _DIRECTIONS[allowed.direction], _name_of_limit(allowed)
+    ends = [zones[0], zones[-1] if math.isfinite(zones[-1]) else None]
+    return say(display, "form", "zone", kind=kind, zones=ends, now=now, limit=limit)
+
+
+def _scratches(answers: FormAnswers, load: CaseLoad, display: Display) -> list[str]:
+    added = [read.around.scratches for read in (load, *load.others.values()) if read.around is not None]
     known = [bounds for bounds in added if bounds is not None]
     if not known:
-        return
+        return []
     every = [end for ends in known for end in ends]
-    low, high = (_rate(load, *ends, beside=every) for ends in zip(*known, strict=True))
-    yield phrase("form.scratches", "both", low=low, high=high)
-    if answers.deepest_scratch is not None:
-        depth, width = map(_down, answers.deepest_scratch)
-        yield phrase("form.scratches", "deepest", depth=depth, width=width)
-        if len(known) > 1:
-            yield phrase("form.scratches", "in_all")
+    low, high = (_rate(load, display, *ends, beside=every) for ends in zip(*known, strict=True))
+    deepest = None if answers.deepest_scratch is None else [*map(_down, answers.deepest_scratch)]
+    return say_all(display, "form", "scratches", low=low, high=high, deepest=deepest)
 
 
 def _down(value: float) -> float:
@@ -165,8 +147,9 @@ def _down(value: float) -> float:
     return math.floor(value / unit + 1e-9) * unit
 
 
-def _of_point(load: CaseLoad, point: FormPoint | WaveAlone) -> str:
-    return "–" if point.leak_rate is None else _rate(load, point.leak_rate, *point.others.values())
+def _of_point(result: SealSolution, point: FormPoint | WaveAlone) -> str:
+    rates, display = (point.leak_rate, *point.others.values()), result.case.display
+    return "–" if point.leak_rate is None else _rate(result.highest, display, *rates)
 
 
 def curve_table(result: SealSolution) -> ReadableTable:
@@ -176,7 +159,7 @@ def curve_table(result: SealSolution) -> ReadableTable:
     points = answers.curve if answers is not None and felt else ()
     return worded_table(
         "form_curve",
-        [{"point": point, "leak_rate": _of_point(load, point)} for point in points],
+        [{"point": point, "leak_rate": _of_point(result, point)} for point in points],
         without=() if any(point.leak_rate is not None for point in points) else ("leak rate",),
     )
 
@@ -184,48 +167,51 @@ def curve_table(result: SealSolution) -> ReadableTable:
 def waves_table(result: SealSolution) -> ReadableTable:
     """Each wave of the form error alone, the worst first; no rows for a single wave."""
     waves = () if result.form is None else result.form.waves
-    rows = [{"wave": wave, "leak_rate": _of_point(result.highest, wave)} for wave in waves]
+    rows = [{"wave": wave, "leak_rate": _of_point(result, wave)} for wave in waves]
     return worded_table("form_waves", rows if len(rows) > 1 else ())
 
 
-def _section(result: SealSolution) -> Section | None:
-    sentences, load = (
-        [*around_in_words(result), *form_in_words(result)],
-        load_name(result.highest, result.loads),
-    )
-    return worded_section("around", sentences, curve_table(result), waves_table(result), load=load)
-
-
-def around_in_words(result: SealSolution) -> list[str]:
-    """Unevenness of line load and leak, a text for each shown load; empty if only scratches are uneven.
+def _around(result: SealSolution, display: Display) -> list[str]:
+    """Unevenness of line load and leak at the shown loads; empty if only scratches are uneven.
 
     Shown are the load with the highest fluid pressure, and that with the smallest line load, which the form error
     affects most.
-
-    Parameters
-    ----------
-    result : SealSolution
     """
     known = [load for load in result.loads if load.around is not None and load.around.form.felt]
     if not known:
         return []
     weakest = min(known, key=lambda load: load.line_load)
     shown = dict.fromkeys([result.highest, weakest] if result.highest in known else [weakest])
-    return [" ".join(_of_load(load, result)) for load in shown]
+    return [sentence for load in shown for sentence in _of_load(load, result, display)]
 
 
-def _of_load(load: CaseLoad, result: SealSolution) -> Iterator[str]:
-    around, name = load.around, load_name(load, result.loads)
+def _of_load(load: CaseLoad, result: SealSolution, display: Display) -> list[str]:
+    around = load.around
     assert around is not None
     angles, width = least_loaded(around)
-    at = _angles_text(angles)
-    if around.line_load.min() == 0:
-        yield phrase("notes.around", "parted", load=name, at=at, width=_degrees(width))
-    else:
-        yield phrase("notes.around", "falls", load=name, at=at, around=around)
     turn = None if around.leak_rate is None else turn_that_leaks(around.leak_rate, _MOST)
-    if turn is not None:
-        yield phrase("notes.around", "leak", share=_MOST, turn=_degrees(turn))
+    return say_all(
+        display,
+        "form",
+        "around",
+        load=load_name(load, result.loads),
+        around=around,
+        at=_angles_text(angles),
+        parted=_degrees(width) if around.line_load.min() == 0 else "",
+        turn=None if turn is None else _degrees(turn),
+        share=_MOST,
+    )
+
+
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    answers, load, uneven = result.form, result.highest, _around(result, display)
+    if answers is None:
+        return AnswerPage()
+    first, sentences = tolerance(result, display), list(_sentences(result, answers, display))
+    at = load_name(load, result.loads)
+    told = [*uneven, *sentences]
+    section = worded_section("around", told, curve_table(result), waves_table(result), load=at)
+    return AnswerPage(first=[first] if first else (), why=uneven[:2], section=section, details=sentences)
 
 
 def least_loaded(around: Circumference) -> tuple[list[float], float]:
@@ -309,7 +295,5 @@ SHOWN = Shown(
     summary=lambda result: {"form": None if result.form is None else by_scenario(asdict(result.form))},
     absent={"form": None},
     tables={"around.csv": around_rows},
-    section=_section,
-    lines=form_in_words,
-    page=lambda result, display: AnswerPage(first=[*filter(None, [form_in_brief(result)])]),
+    page=_page,
 )

@@ -5,68 +5,49 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, ParticleAnswers, answers_of
-from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, ORANGE
-from fem_seal.output.pictures.style import Picture, captioned, label, panels
-from fem_seal.output.prose import phrase
-from fem_seal.output.shown import Section, Shown, worded_section, worded_table
+from fem_seal.output.pictures.style import NARROW, Picture, captioned, label, panels
+from fem_seal.output.shown import AnswerPage, Shown, Tile, worded_section, worded_table
 from fem_seal.output.tables import PARTICLE_COLUMNS
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import quantity, unit_for
+from fem_seal.units import unit_for
+from fem_seal.wording import say, say_all
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.units import Display
 
 _PER_ML = 1e-6
 
 
-def particles_in_words(result: SealSolution) -> list[str]:
-    """Estimated effect of particles at the highest load; empty without particles.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    answers = answers_of(result.highest, result.particles)
-    return [] if answers is None else list(_sentences(result, answers))
-
-
-def _sentences(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
-    at = load_name(result.highest, result.loads)
-    yield phrase("particles.narrow", "from", load=at, sizes=answers.narrowest)
-    yield _filter(answers)
-    yield _stopped_in_words(result, answers)
-    if math.isfinite(answers.half_volume[0]):
-        yield phrase("particles.decay", "half", found=answers)
-    around = result.highest.around
-    scratched = around is not None and around.scratches is not None
-    yield phrase("particles.estimate", "all", "scratches" if scratched else "")
-
-
-def _stopped_in_words(result: SealSolution, answers: ParticleAnswers) -> str:
-    fluid, (few, many) = result.case.fluid, answers.stopped
+def _sentences(result: SealSolution, answers: ParticleAnswers, display: Display) -> Iterator[str]:
+    """Estimated effect of particles at the highest load."""
+    yield _narrow(result, answers, display)
+    keeping = answers.keeping_filter or ()
+    two = len({display.quantity(size, "length 2") for size in keeping}) > 1
+    yield from say_all(display, "particles", "filters", found=answers, lost=1.0 - KEPT, two=two)
+    fluid = result.case.fluid
     assert fluid is not None and fluid.particles is not None  # the answers are about them
-    size = fluid.particles.counts.sizes[0]
-    if many == 0:
-        return phrase("particles.stopped", "none")
-    if math.isnan(many):
-        return phrase("particles.stopped", "uncounted", size=size)
-    further = "extrapolated" if answers.narrowest[0] < size else ""
-    return phrase("particles.stopped", "count", further, count=(few * _PER_ML, many * _PER_ML), size=size)
+    size, narrowest = fluid.particles.counts.sizes[0], answers.narrowest[0]
+    count = tuple(number * _PER_ML for number in answers.stopped)
+    yield from say_all(display, "particles", "stopped", count=count, size=size, narrowest=narrowest)
+    if math.isfinite(answers.half_volume[0]):
+        yield say(display, "particles", "decay", found=answers)
+    around = result.highest.around
+    scratches = around is not None and around.scratches is not None
+    yield from say_all(display, "particles", "estimate", scratches=scratches)
 
 
-def _filter(answers: ParticleAnswers) -> str:
-    if answers.keeping_filter is None:
-        kinds = ["none"]
-    else:
-        ends = {quantity("length", one, 2) for one in answers.keeping_filter}
-        kinds = ["keeps", "safe" if len(ends) > 1 else ""]
-    if answers.filter is not None and answers.left is not None:
-        kinds.append("given")
-    return phrase("particles.filter", *kinds, found=answers, lost=1.0 - KEPT)
+def _narrow(result: SealSolution, answers: ParticleAnswers, display: Display) -> str:
+    at = load_name(result.highest, result.loads)
+    return say(display, "particles", "narrow", load=at, sizes=answers.narrowest)
 
 
 def particle_table(result: SealSolution) -> ReadableTable:
@@ -103,9 +84,7 @@ def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
 
 
 def particle_picture(result: SealSolution) -> Picture | None:
-    """Remaining leak over the size of the gaps that are shut, and number of particles of that size.
-
-    None without particles.
+    """Remaining leak over the size of the gaps that are shut; None without particles.
 
     Parameters
     ----------
@@ -118,7 +97,7 @@ def particle_picture(result: SealSolution) -> Picture | None:
     left = np.array([one.remaining for one in answers.curve]).T
     below = np.array([one.gaps_below for one in answers.curve]).T
     unit = unit_for("length", float(sizes.max()))
-    figure, (share, counts) = panels(2, height=3.5)
+    figure, (share,) = panels(1, height=3.5, width=NARROW)
     share.axvspan(
         *(one / unit.size for one in answers.narrowest), color=FILL, label="too large to pass from here on"
     )
@@ -134,26 +113,27 @@ def particle_picture(result: SealSolution) -> Picture | None:
     if answers.filter is not None:
         share.axvline(answers.filter / unit.size, color=GREY, linewidth=1.1, label="filter")
     share.set_ylim(0.0, 105.0)
-    few, many = (np.array([one.particles[end] for one in answers.curve]) * 1e-6 for end in (0, 1))
-    there = many > 0
-    if there.any():
-        x, low, high = sizes[there] / unit.size, few[there], many[there]
-        counts.fill_between(x, low, high, color=BLUE, alpha=0.15, linewidth=0)
-        for ends in (low, high):
-            counts.plot(x, ends, color=BLUE)
-    for axes in (share, counts):
-        axes.set_xlim(0.9 * sizes[0] / unit.size, 1.1 * sizes[-1] / unit.size)
-    size, log = f"particle size  [{unit.name}]", "xy" if there.any() else "x"
+    share.set_xlim(0.9 * sizes[0] / unit.size, 1.1 * sizes[-1] / unit.size)
+    size = f"particle size  [{unit.name}]"
     label(share, "Leak with narrower gaps shut (estimate)", size, "share  [%]", log="x", legend="center left")
-    label(counts, "Particles in the fluid", size, "per ml, at least as large", log=log)
     at = load_name(result.highest, result.loads)
-    behind = "behind_filter" if answers.filter is not None else ""
-    return captioned(figure, "particles", "all", behind, load=at)
+    return captioned(figure, "particles", "all", load=at)
 
 
-def _section(result: SealSolution) -> Section | None:
-    load = load_name(result.highest, result.loads)
-    return worded_section("particles", particles_in_words(result), particle_table(result), load=load)
+def _page(result: SealSolution, display: Display) -> AnswerPage:
+    answers, load = answers_of(result.highest, result.particles), load_name(result.highest, result.loads)
+    if answers is None:
+        return AnswerPage()
+    sentences, tiles = list(_sentences(result, answers, display)), []
+    if answers.keeping_filter is not None:
+        size = display.quantity(answers.keeping_filter, "length 2")
+        tiles.append(Tile("Filter", size, say(display, "particles", "keeping", lost=1.0 - KEPT), 50))
+    return AnswerPage(
+        tiles=tiles,
+        why=[_narrow(result, answers, display)],
+        section=worded_section("particles", sentences, particle_table(result), load=load),
+        details=sentences,
+    )
 
 
 SHOWN = Shown(
@@ -166,7 +146,6 @@ SHOWN = Shown(
             [row for answers in result.particles for row in _rows(answers)],
         )
     },
-    section=_section,
     pictures=lambda result: (particle_picture(result),),
-    lines=particles_in_words,
+    page=_page,
 )

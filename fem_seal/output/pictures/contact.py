@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
-from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
@@ -40,7 +39,7 @@ _NARROW = 6.4
 _DRAWN_LOADS = 40
 # Size of the picture of the enlarged contact [inch]; height of its section over the gap, of one contact and of lands;
 # share of the peak pressure from which on a land presses; colours of the bodies.
-_ENLARGED, _HEADROOM, _PRESSED = (10.4, 3.9), (1.3, 4.0), 0.01
+_ENLARGED, _HEADROOM, _PRESSED = (style.NARROW, 3.6), (1.3, 4.0), 0.01
 _FACES = {"closure": "#c9dcf0", "seat": "#e6dcc6"}
 _ON_FLUID = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.5}
 _CLOSED_FORMS = {
@@ -70,15 +69,11 @@ def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
         all_profiles(axes[0], loads, order, length)
     for view, n in zip(axes[len(axes) - len(shown) :], shown, strict=True):
         _against_closed_forms(view, loads[n], load_name(loads[n], loads), derived.loads[n], length)
-    law = law_word(result.case)
-    rough = law != "smooth"
     words = ["start", "mean" if result.highest.circumference is not None else ""]
     if not closed:
         words += [] if result.of_profile else ["conforming"]
-    elif result.unloaded is not None:
-        words += ["hertz", *(["gaussian", "crossover"] if rough else []), "yielding"]
     else:
-        words += ["hertz", "gaussian" if rough else "", law]
+        words += ["hertz", "gaussian" if result.case.interface.law != "smooth" else ""]
     alt = ("alt", "alt_closed" if closed else "")
     return style.captioned(figure, "profiles", *words, alt=alt, group="profile")
 
@@ -257,7 +252,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
 
     figure = Figure(figsize=_ENLARGED)
     above, below = figure.subplots(
-        2, 1, gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0}
+        2, 1, gridspec_kw={"left": 0.125, "right": 0.985, "bottom": 0.14, "top": 0.97, "hspace": 0.0}
     )
     whole, (low, high) = load.whole, _range_in_view([load])
     low, high = max(low, float(whole.x[0])), min(high, float(whole.x[-1]))
@@ -305,7 +300,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
         inside = share[0] > share[-1]
         at, text, side = (0.01, f"{name} →", "left") if inside else (0.99, f"← {name}", "right")
         below.text(at, 0.93, text, ha=side, color=BLUE, **how)
-        drop = "share of the pressure drop, 0 to 100 %"
+        drop = "pressure drop\n0 to 100 %"
         over = {**how, "transform": above.transAxes, "zorder": 3}
         above.text(at, 0.68, drop, ha=side, color=BLUE, **over)
         # from zero to the peak, which is the whole drop
@@ -583,7 +578,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
     _imprints(depth, unloaded, part.problem.contact)
-    strains = _strains(strain, part, unloaded)
+    _strains(strain, part, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
         phrase(
@@ -595,9 +590,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
         )
         for name, imprint in unloaded.imprints.items()
     )
-    return captioned(
-        figure, "imprint", "all", imprints=imprints, strains=strains, **part.problem.contact.labels
-    )
+    return captioned(figure, "imprint", "all", imprints=imprints)
 
 
 def _imprints(axes: Axes, unloaded: UnloadedBodies, contact: ContactGeometry) -> None:
@@ -614,8 +607,8 @@ def _imprints(axes: Axes, unloaded: UnloadedBodies, contact: ContactGeometry) ->
     label(axes, "Permanent imprint", f"x  [{length.name}]", f"depth  [{height.name}]", legend="best")
 
 
-def _strains(axes: Axes, result: SolvedSeal, unloaded: UnloadedBodies) -> str:
-    """Plastic strain of all bodies that yield; returns its reach."""
+def _strains(axes: Axes, result: SolvedSeal, unloaded: UnloadedBodies) -> None:
+    """Plastic strain of all bodies that yield."""
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
     materials = result.problem.materials
     found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
@@ -631,10 +624,3 @@ def _strains(axes: Axes, result: SolvedSeal, unloaded: UnloadedBodies) -> str:
     strains = {name: field.accumulated_plastic_strain / size for name, field in fields.items()}
     bands = _draw_zone(axes, result, unloaded.fields, strains, levels, reach, "Plastic strain")
     scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
-    digits = result.strongest.digits_of("fwhm")
-    return " ".join(
-        phrase(
-            "captions.imprint", "zone", body=result.problem.contact.label_of(name), zone=zone, digits=digits
-        )
-        for name, zone in zones.items()
-    )

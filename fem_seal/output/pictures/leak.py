@@ -14,15 +14,14 @@ from fem_seal.contact.solution import largest_before
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import (
+    NARROW,
     Picture,
     captioned,
     label,
-    logarithmic,
     number_dots,
     panels,
     positive,
     scale_over_loads,
-    spans_decades,
     svg,
 )
 from fem_seal.output.prose import phrase
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
 
 
 def leak_picture(result: SealSolution) -> Picture | None:
-    """Leak rate of every load, with and without asperity plasticity; None if none was calculated.
+    """Leak rate of every load with its interval, and of elastic asperities; None if none was calculated.
 
     Parameters
     ----------
@@ -49,22 +48,11 @@ def leak_picture(result: SealSolution) -> Picture | None:
         return None
     if len(loads) == 1:
         return _single_leak(result, loads[0])
-    over, rates = load_axis(loads), leak_rates(loads)
-    elastic = leak_rates([(load.scenario("elastic") or load) for load in loads])
-    plastic = result.surface is not None and result.surface.hardness is not None
-    two = any(load.others for load in loads)
-    both = plastic and bool(((rates > 0) & (elastic > 0)).any())
-    figure, (axes, *reduction) = (
-        panels(2, height=3.5, ratios=(1.5, 1.0)) if both else panels(1, height=3.5, width=6.4)
-    )
+    over = load_axis(loads)
+    figure, (axes,) = panels(1, height=3.5, width=NARROW)
     draw_leak(axes, result, beside=True)
-    for factor in reduction:
-        shares = [(SCENARIOS[loads[0].names[0]].short if two else "", rates, BLUE)]
-        shares += [(SCENARIOS[one].short, values, GREEN) for one, values in _rates_of_scenarios(loads)]
-        _draw_reduction(factor, over.shown, elastic, shares, axes.get_xscale() == "log")
-        label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
-    words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
-    return captioned(figure, "leak", "all", over.order, *words, over=over.name)
+    both = "plastic_both" if any(load.others for load in loads) else ""
+    return captioned(figure, "leak", "all", over.order, both, over=over.name)
 
 
 def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool:
@@ -213,26 +201,6 @@ def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray
     _mark_at_foot(axes, x[outside & ~drawn], None if drawn.any() else name, "white")
 
 
-def _draw_reduction(
-    axes: Axes,
-    x: FloatArray,
-    elastic: FloatArray,
-    curves: Sequence[tuple[str, FloatArray, str]],
-    log_x: bool,
-) -> None:
-    factors = []
-    for name, rates, colour in curves:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            factors.append(np.where((rates > 0) & (elastic > 0), elastic / rates, np.nan))
-        axes.plot(x, factors[-1], "o-", color=colour, ms=3.8, label=name)
-    shown = np.concatenate(factors)
-    logarithmic(axes, *(["x"] if log_x else []), *(["y"] if spans_decades(shown) else []))
-    if not spans_decades(shown):
-        axes.set_ylim(0.0, 1.12 * float(np.nanmax(shown)))
-    if len(factors) > 1:
-        axes.legend(loc="best")
-
-
 # Depth of a band below the smallest leak rate where its lower end is a sealed contact.
 _FOOT = 0.1
 
@@ -256,7 +224,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     earlier = earlier_load(result.case.load) or "the loads before it"
     first, after = _ends([load.scenarios.get(FIRST_LOADING, load) for load in loads]), _ends(loads)
     unit = volume_of(result.case).name_unit(shared_flow_unit((*first.flat, *after.flat)))
-    figure, (axes,) = panels(1, height=3.6, width=6.8)
+    figure, (axes,) = panels(1, height=3.6, width=NARROW)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
         _band(axes, over.shown, ends / unit.size, colour, name)
     scale_over_loads(axes, over, np.concatenate([first, after]), 0.7)
@@ -265,10 +233,9 @@ def memory_picture(result: SealSolution) -> Picture | None:
         number_dots(axes, over.shown, after[:, 1] / unit.size, numbers)
     title = "Leak rate on first loading and after a larger load"
     label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
-    words = ("rates_both", "back_both") if any(load.others for load in loads) else ("rates", "back")
-    return captioned(
-        figure, "memory", *words, "bodies" if result.unloaded else "elastic", over=over.name, earlier=earlier
-    )
+    both = "both" if any(load.others for load in loads) else ""
+    bodies = "bodies" if result.unloaded else ""
+    return captioned(figure, "memory", "rates", both, bodies, over=over.name, earlier=earlier)
 
 
 def _ends(loads: Sequence[CaseLoad]) -> FloatArray:

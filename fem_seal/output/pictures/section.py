@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from fem_seal.errors import InputError
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
-from fem_seal.output.pictures.style import INCH, WIDTH, Picture, captioned, inches, outside_text, style
+from fem_seal.output.pictures.style import INCH, NARROW, Picture, captioned, inches, outside_text, style
 from fem_seal.units import fixed_unit, number, quantity, round_digits, trim_zeros
 from meshes.geometry.curve import Curve, Point, Segment
 
@@ -45,7 +45,7 @@ _PLACES = 401
 _CHORDS, _FINE_CHORDS = 60, 2000
 _AXIS_DASHES = (0, (12, 3, 2, 3))
 # Height of the report's picture [inch].
-_SKETCH = 5.2
+_SKETCH = 4.6
 # Distance of the rollers, their diameter, and distance of a surface from their middle and from the ground [pt].
 _SPACING, _ROLLER, _OFF, _GROUND = 11.0, 5.4, 3.3, 6.6
 
@@ -385,7 +385,7 @@ def _pieces(outline: Outline, chords: int) -> Iterator[tuple[Segment, FloatArray
 
 
 def sketch(result: SealSolution) -> Picture:
-    """The section of the report, with the contact enlarged.
+    """The section of the report.
 
     Parameters
     ----------
@@ -394,9 +394,8 @@ def sketch(result: SealSolution) -> Picture:
     from matplotlib.figure import Figure
 
     case, contact = result.case, result.case.contact
-    figure = Figure(figsize=(WIDTH, _SKETCH))
-    _draw_whole(figure.add_axes((0.0, 0.02, _SHARE, 0.96)), case)
-    _draw_detail(figure.add_axes((_SHARE + 0.03, 0.26, 0.96 - _SHARE, 0.58)), case)
+    figure = Figure(figsize=(NARROW, _SKETCH))
+    _draw_whole(figure.add_axes((0.0, 0.02, 1.0, 0.96)), case)
     return captioned(
         figure,
         "sketch",

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.seal.load_result import LoadAxis
 
-WIDTH = 10.4
+# Widths of pictures [inch]; the letters of a narrow one can be read on a telephone.
+WIDTH, NARROW = 10.4, 5.6
 # Points to an inch.
 INCH = 72.0
 # Resolution of images in a drawing [1/inch].
@@ -139,7 +140,7 @@ def svg(figure: Figure) -> bytes:
 def captioned(
     figure: Figure, name: str, *parts: str, alt: Sequence[str] = ("alt",), group: str = "", **values: object
 ) -> Picture:
-    """A finished figure with its caption from templates/words.toml.
+    """A finished figure with its caption from templates/answers/captions.j2.
 
     Parameters
     ----------

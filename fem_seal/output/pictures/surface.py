@@ -43,7 +43,6 @@ def separation_picture(result: SealSolution) -> Picture | None:
     p = np.geomspace(low, high, 30)
     pressure = unit_for("contact pressure", float(peaks.max()))
     own = result.loads[0]
-    two = bool(own.others)
     curves = [(own.names[0], surface, ORANGE if surface.hardness is None else BLUE)]
     curves += [
         (scenario.name, scenario.problem.surface or surface, GREEN if words.condition else ORANGE)
@@ -66,7 +65,6 @@ def separation_picture(result: SealSolution) -> Picture | None:
         figure,
         "separation",
         "all",
-        "others" if two else "",
         "memory" if any(load.remembers for load in result.loads) else "",
         threshold=percent(surface.percolation_threshold),
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.output.answers import variants
 from fem_seal.output.answers.leak import (
     has_finish,
     has_two_numbers,
@@ -17,7 +18,6 @@ from fem_seal.output.answers.leak import (
 )
 from fem_seal.output.answers.target import opens_at
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.answers.variants import told_in_headline
 from fem_seal.output.case_words import earlier_load, state_in_words
 from fem_seal.output.columns import in_words
 from fem_seal.output.prose import phrase
@@ -68,7 +68,7 @@ def headline(result: SealSolution) -> str:
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
-    beside = told_in_headline(result)
+    beside = variants.headline(result, result.case.display)
     more = " ".join(["", *([beside] if beside else []), *load_notes(result)])
     return _leak_sentence(result) + opening + more + _validity_sentence(result)
 

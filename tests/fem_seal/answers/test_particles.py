@@ -18,7 +18,7 @@ import leak
 from fem_seal import InputError
 from fem_seal.answers.particles import KEPT, particle_answers
 from fem_seal.cli.app import main
-from fem_seal.output.answers.particles import particle_table, particles_in_words
+from fem_seal.output.answers.particles import SHOWN, particle_table
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Level, Validity, remark
@@ -34,6 +34,11 @@ def dirty_case(particles: dict[str, Any] = DIRTY, **tables: Any) -> fem_seal.Cas
 @cache
 def result() -> SealResult:
     return fem_seal.run(dirty_case(load={"fluid_pressure": ["5 bar", "20 bar"]}))
+
+
+def details_of(found: SealResult) -> list[str]:
+    """What the terminal says of the particles."""
+    return list(SHOWN.page_of(found, found.case.display).details)
 
 
 # ---------------------------------------------------------------- the table
@@ -85,7 +90,7 @@ def test_a_clean_fluid_asks_nothing():
     clean = result().case.replace({"fluid.particles": None, "load.fluid_pressure": "20 bar"})
     found = fem_seal.run(clean)
     assert found.particles == ()
-    assert particles_in_words(found) == [] and particle_table(found).rows == ()
+    assert details_of(found) == [] and particle_table(found).rows == ()
     # the leak rate is that of the clean fluid either way
     assert found.loads[-1].leak.leak_rate == pytest.approx(result().loads[-1].leak.leak_rate, rel=1e-6)
 
@@ -206,7 +211,7 @@ def test_a_sealed_load_has_no_answers():
 
 @pytest.mark.usefixtures("unrendered")
 def test_it_is_said_as_an_estimate():
-    told = particles_in_words(result())
+    told = details_of(result())
     assert told[0].startswith("Estimate: at 20 bar")
     assert any("order of magnitude" in one for one in told)
     assert any("extrapolation" in one for one in told)
@@ -220,7 +225,7 @@ def test_it_is_said_as_an_estimate():
 def test_nothing_is_said_of_a_load_outside_the_theory():
     caution = remark("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress")
     outside = replace(result().loads[-1], validity=Validity.of([caution]))
-    assert particles_in_words(replace(result(), loads=(result().loads[0], outside))) == []
+    assert details_of(replace(result(), loads=(result().loads[0], outside))) == []
 
 
 def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
@@ -230,7 +235,7 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
         result().answered(particles=particle_answers(result().loads, counts)),
         case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
     )
-    told = " ".join(particles_in_words(changed))
+    told = " ".join(details_of(changed))
     assert (
         "All particles that pass the filter also pass the contact" in told and "half of the leak" not in told
     )
@@ -248,7 +253,7 @@ def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
     assert np.isnan([*answers.stopped, *answers.half_volume, *answers.half_time]).all()
     # what needs no counts is still said
     assert answers.keeping_filter == result().particles[-1].keeping_filter
-    told = " ".join(particles_in_words(changed))
+    told = " ".join(details_of(changed))
     assert "is not known" in told and "half of the leak" not in told and "1.5 µm" in told
     assert particle_table(changed).rows[0][1] == "–"
     assert report(changed, full=True)

@@ -17,20 +17,25 @@ import fem_seal
 from fem_seal.answers.form import Allowed, _limit
 from fem_seal.contact.newton import solve
 from fem_seal.output.answers.form import (
-    around_in_words,
-    form_in_brief,
-    form_in_words,
+    SHOWN,
     least_loaded,
+    tolerance,
     turn_that_leaks,
 )
 from fem_seal.output.pictures import around as drawn
 from fem_seal.output.pictures import style as pictures
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.page import report
+from fem_seal.units import Display
 from leak import Reading
 
 NAMES = {"unrolled", "line_load_around", "leak_around"}
 MAKERS = (drawn.unrolled_picture, drawn.line_load_picture, drawn.leak_around_picture)
+
+
+def page_of(result):
+    """What the answer about the form error says."""
+    return SHOWN.page_of(result, Display())
 
 
 @pytest.fixture
@@ -52,7 +57,7 @@ def test_a_round_seal_has_none_of_it():
     result = single_result()
     with style():
         assert [make(result) for make in MAKERS] == [None, None, None]
-    assert around_in_words(result) == []
+    assert not SHOWN.asked(result)
     page = report(result, full=True)
     assert 'id="around"' not in page and "around.csv" not in page
 
@@ -65,7 +70,7 @@ def test_scratches_alone_leave_nothing_to_draw_around_the_axis():
     scratched = replace(result, loads=(even,))
     with style():
         assert [make(scratched) for make in MAKERS] == [None, None, None]
-    assert around_in_words(scratched) == []
+    assert page_of(scratched).why == []
 
 
 @pytest.mark.slow
@@ -74,7 +79,7 @@ def test_pictures_stand_on_the_page_with_their_words():
     section = page[page.index('<section id="around">') :]
     section = section[: section.index("</section>")]
     assert {name for name in NAMES if f'id="picture-{name}"' in section} == NAMES
-    assert all(paragraph in section for paragraph in around_in_words(oval_result()))
+    assert all(sentence in section for sentence in page_of(oval_result()).section.sentences)
     assert 'href="#around"' in page and "around.csv" in page
     assert "around the axis" in page and "at the mean line load" in page[page.index("Largest stress") :]
 
@@ -149,15 +154,15 @@ def test_area_under_the_leak_is_the_leak_rate(figures):
 
 
 def test_words_name_the_places_and_the_shares():
-    told = around_in_words(oval_result())
+    told = page_of(oval_result()).section.sentences
     highest = oval_result().highest.around
     assert told[0].startswith("At 20 bar the line load falls to ")
     shares = [float(share) for share in re.findall(r"(\d+) %", told[0])]
     assert shares[0] == pytest.approx(100 * highest.least_over_mean, abs=0.5)
     assert shares[1] == pytest.approx(100 * highest.most_over_mean, abs=0.5)
     assert "at 90° and 270°" in told[0]
-    assert told[1].startswith("At 2 bar ")
-    parted = around_in_words(smooth_oval_result())[1]
+    assert told[2].startswith("At 2 bar ")
+    parted = next(one for one in page_of(smooth_oval_result()).why if "part" in one)
     around = smooth_oval_result().loads[0].around
     width = 360 * np.mean(around.line_load == 0)
     assert parted.startswith("At 20 bar the surfaces part at 90° and 270°, over ")
@@ -206,10 +211,10 @@ def other_contact(result):
 def test_what_is_allowed_is_rounded_down():
     result = oval_result()
     allowed = Allowed("target", 1e-6, 1.49, 5.06e-6, "radial", 15)
-    told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=allowed))))
+    told = " ".join(page_of(result.answered(form=replace(result.form, allowed=allowed))).details)
     assert "up to 1.4 times" in told and "tolerance of 5.0 µm" in told
     none = replace(allowed, zone=0.0)
-    told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=none))))
+    told = " ".join(page_of(result.answered(form=replace(result.form, allowed=none))).details)
     assert "No roundness tolerance on the drawing keeps the target" in told
 
 
@@ -233,20 +238,19 @@ def test_the_form_error_is_judged_by_what_the_case_requires():
     assert asked(requirement={"leak_rate": "1 ml/min"}, load=target) == ("leak rate", millilitre)
     assert asked(load=target) == ("target", pytest.approx(2e-6 / 60))
     allowed = Allowed("leak rate", 1e-6 / 60, 1.49, 5.06e-6, "radial", 15)
-    told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=allowed))))
+    told = " ".join(page_of(result.answered(form=replace(result.form, allowed=allowed))).details)
     # 2 um from crest to valley along the normal, which leans by 45 deg, in radial direction
     assert (
-        "tolerance of 5.0 µm on the drawing (the form error has 2.8 µm) keeps the calculated leak rate, though not the"
-        " upper end of its interval, within the required leak rate" in told
+        "tolerance of 5.0 µm on the drawing keeps the calculated leak rate within the required leak rate;"
+        " the form error has 2.8 µm." in told
     )
     # and so does the second line of the result, in a case that has a limit
     asks = result.case.replace(requirement={"leak_rate": "1 ml/min"})
     answered = Mock(form=replace(result.form, allowed=allowed), highest=result.highest, case=asks)
-    assert form_in_brief(answered) in told and form_in_brief(answered).startswith(
-        "A roundness tolerance of 5.0"
-    )
+    first = tolerance(answered, Display())
+    assert first in told and first.startswith("A roundness tolerance of 5.0")
     answered.case = result.case
-    assert form_in_brief(answered) == ""
+    assert tolerance(answered, Display()) == ""
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.case import load_case
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import InputError
-from fem_seal.output.answers.lands import lands_in_words
+from fem_seal.output.answers.lands import SHOWN
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.load_result import LoadResult
@@ -199,7 +199,8 @@ def test_all_is_written_of_a_land_that_does_not_touch(number: int, tmp_path: Pat
     table = pd.read_csv(tmp_path / "contacts.csv")
     assert np.isfinite(table.select_dtypes("number").to_numpy()).all()
     assert table["leak_rate_m3_per_s"].nunique() == 1
-    assert "Lands in series" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = result.report(tmp_path / "full.html", full=True)
+    assert "Lands in series" in page.read_text(encoding="utf-8")
     assert (tmp_path / "contact_line_000.vtp").is_file()
 
 
@@ -300,7 +301,7 @@ def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
     """Line loads of both lands make the contact force; as much flows through both, unless a port holds the chamber."""
     case = lands_case(INNER, OUTER, fluid="nitrogen", chamber_pressure="6 bar")
     result = fem_seal.run(case)
-    lines = lands_in_words(result)
+    lines = SHOWN.page_of(result, case.display).details
     assert len(lines) == 2 and lines[1].endswith("held at 6.000 bar above the low side.")
     result.write(tmp_path)
     table = pd.read_csv(tmp_path / "contacts.csv")
@@ -319,11 +320,12 @@ def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
         )
     )
     assert carried == pytest.approx(load.contact_force, rel=2e-3)
-    assert "Lands in series" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = result.report(tmp_path / "full.html", full=True)
+    assert "Lands in series" in page.read_text(encoding="utf-8")
     alone = lands_case(INNER, OUTER).replace(
         seat={"shape": "flat-land", "land_inner_radius": 0.02, "land_outer_radius": 0.0215, "material": STEEL}
     )
-    assert lands_in_words(fem_seal.run(alone)) == []
+    assert not SHOWN.asked(fem_seal.run(alone))
 
 
 @pytest.mark.slow

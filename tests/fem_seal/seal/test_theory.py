@@ -15,7 +15,7 @@ import fem_seal
 import leak
 from fem_seal.answers.closed_forms import closed_form_limits
 from fem_seal.explore.session import Session
-from fem_seal.output.answers.variants import theories_in_words
+from fem_seal.output.answers.variants import SHOWN
 from fem_seal.output.answers.verdict import basis_lines
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows
@@ -129,7 +129,7 @@ def test_the_headline_of_the_papers_theory_has_the_corrected_one_beside_it():
     assert "By the corrected theory 66 to 86 ml/min leaks at 20 bar." in headline(paper)
     assert "theory" not in headline(corrected)
     # what it makes of the difference multiplies to the whole
-    whole, parts, yields, simulated, _ = theories_in_words(paper)
+    whole, parts, yields, simulated, _ = SHOWN.page_of(paper, paper.case.display).section.sentences
     assert "66 to 86 ml/min" in whole and " 3.1 times the 23 ml/min" in whole
     gaps, contact = map(float, re.search(r" ([\d.]+) times .* factor of ([\d.]+):", parts).groups())
     assert gaps * contact == pytest.approx(3.1, rel=0.05)
