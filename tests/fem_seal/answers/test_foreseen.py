@@ -56,7 +56,7 @@ def test_a_hot_gasket_is_named_by_its_own_words_and_keys():
     }
     problem = SealProblem.of(case)
     told = [one.text for one in material_cautions(problem)]
-    assert any(one.startswith("gasket.material.hardness: ") for one in told)
+    assert any("gasket.material.hardness: " in one for one in told)
     assert not any("seat" in one for one in told)
 
 
@@ -112,7 +112,7 @@ def test_what_comes_after_such_a_load_is_refused_and_what_is_before_it_is_not():
     path = knife(["1 kN", "21 kN", "1 kN"])
     assert {n: one.kind for n, one in refused_loads(path).items()} == {1: "strain", 2: "path"}
     said = list(foreseen(SealProblem.of(path)))
-    assert said[0].startswith("at 1.01325 bar with 21 kN: beyond small strains")
+    assert "At 1.01325 bar with 21 kN: beyond small strains" in said[0]
     assert "depends on its load history" in said[1]
     assert run_seconds(SealProblem.of(path)) == pytest.approx(
         run_seconds(SealProblem.of(knife("1 kN"))), rel=0.5

@@ -146,7 +146,7 @@ def test_what_has_no_result_stays_empty_and_the_rest_is_complete(inside):
     gaps = np.isnan(inside.leak_rate)
     assert gaps.tolist() == [[False] * 3, [True, False, False], [True, True, False]]
     assert inside.level[2][0] == "not calculated"
-    assert any("the seal is open" in reason for reason in inside.reasons)
+    assert any("the seal opens" in reason for reason in inside.reasons)
     whole = inside.complete
     assert not np.isnan(whole.leak_rate).any()
     assert whole.leak_rate.size == 4
