@@ -507,7 +507,7 @@ def test_each_other_theory_and_history_is_told_against_that_of_the_case(after):
     told = [one for one in lines(found) if "as likely by" in one or "do not decide" in one]
     assert told == [
         "The readings do not decide between the paper's theory and the corrected theory.",
-        "The readings are 49.0 times as likely by a seal with the earlier load as given as by a seal that was never "
+        "The readings are 49.0 times as likely by a seal with the earlier load as stated as by a seal that was never "
         "closed harder.",
     ]
 
