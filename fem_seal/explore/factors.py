@@ -248,7 +248,7 @@ def _of_loads(
     stops: list[float] | None = None,
 ) -> Factor:
     """The factor of an entry of [load]: its largest value, with which the others keep their proportions."""
-    words = own_tables("explore.toml")["factors"][key]["several" if len(set(values)) > 1 else "one"]
+    words = own_tables("explore/looks.toml")["factors"][key]["several" if len(set(values)) > 1 else "one"]
     text = case.written["load"].get(entry) if stops is None else None
     path, largest = f"load.{entry}", max(values)
     return _factor(key, words["label"], "load", (path,), dimension, largest, text, stops, words["note"])

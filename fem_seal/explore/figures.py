@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.screen import LEAK, ShownDesign, preliminary_words
 from fem_seal.files import own_tables
-from fem_seal.units import Unit, fixed_unit, flow_unit, number, unit_for
+from fem_seal.units import Unit, fixed_unit, number
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import CrossSection, Screen, ShownLoad, ShownProfile
@@ -34,7 +34,7 @@ class Figure:
 
     def __init__(self, dark: bool) -> None:
         self.data: list[dict[str, Any]] = []
-        look = own_tables("explore.toml")
+        look = own_tables("explore/looks.toml")
         self.colours: dict[str, str] = look["dark" if dark else "light"]
         self.ink, grid = self.colours["ink"], self.colours["grid"]
         axis = {**look["axis"], "gridcolor": grid, "linecolor": grid, "tickcolor": grid}
@@ -43,7 +43,7 @@ class Figure:
 
     def add(self, look: str, x: Values, y: Values, colour: str, **entries: Any) -> None:
         """A trace that looks as the file of the page says, with further entries."""
-        trace = own_tables("explore.toml")["traces"][look]
+        trace = own_tables("explore/looks.toml")["traces"][look]
         parts = {part: {**trace[part], "color": colour} for part in ("line", "marker") if part in trace}
         self.data.append({"type": "scatter", **trace, "x": x, "y": y, **parts, **entries})
 
@@ -228,10 +228,12 @@ def leak_figure(designs: Sequence[ShownDesign], dark: bool) -> Figure:
     # that of the number beside the picture
     interval = [] if screen.load is None else [screen.load.values[name] for name in LEAK]
     middle = math.exp(sum(map(math.log, rates)) / len(rates)) if rates else 1e-8
-    unit = flow_unit(interval) or unit_for("flow", middle)
+    unit = screen.display.flow_unit(interval) or screen.display.unit_for("flow", middle)
     force = _over_force(screen)
     axis = "force" if force else "fluid pressure"
-    load_unit = unit_for(axis, max((_place(load, force) for load in screen.loads), default=1e5))
+    load_unit = screen.display.unit_for(
+        axis, max((_place(load, force) for load in screen.loads), default=1e5)
+    )
     for design in reversed(designs):
         _add_leak(figure, design, unit, load_unit, force)
     for name, limit in screen.limits:
@@ -247,7 +249,8 @@ def leak_figure(designs: Sequence[ShownDesign], dark: bool) -> Figure:
         marks = [step * 10.0**power for power in range(low - 1, high + 2) for step in steps]
         ticks = {"tickvals": marks, "ticktext": [number(mark, 1) for mark in marks]}
     # in two lines: one is longer than the axis
-    title = f"leak rate [{unit.name}]" + (f"<br>at {screen.volume.state}" if screen.volume.state else "")
+    state = screen.display.state_of(screen.volume)
+    title = f"leak rate [{unit.name}]" + (f"<br>at {state}" if state else "")
     figure.update("yaxis", title, type="log", exponentformat="power", **ticks)
     figure.update("xaxis", f"{axis} [{load_unit.name}]", rangemode="tozero")
     if not rates:
@@ -300,15 +303,17 @@ def _over_x(designs: Sequence[ShownDesign], dark: bool, what: str) -> Figure:
     if not profiles:
         figure.say_alone("nothing to show")
         return figure
-    x_unit = unit_for("length", max(abs(x) for profile, _ in profiles for x in profile.x))
+    x_unit = designs[0].screen.display.unit_for(
+        "length", max(abs(x) for profile, _ in profiles for x in profile.x)
+    )
     if what == "gap":
         gap = max(_widest_carrying(profile) for profile, _ in profiles)
-        title, unit = "mean gap", unit_for("length", gap)
+        title, unit = "mean gap", designs[0].screen.display.unit_for("length", gap)
         # beside the contact the faces part soon, and far more than they do where they carry
         figure.update("yaxis", range=[0, unit.of(1.5 * gap)], autorange=False)
     else:
         peak = max((y for profile, _ in profiles for y in profile.pressure if math.isfinite(y)), default=0.0)
-        title, unit = "contact pressure", unit_for("contact pressure", peak)
+        title, unit = "contact pressure", designs[0].screen.display.unit_for("contact pressure", peak)
     figure.update("xaxis", f"x across the seat [{x_unit.name}]")
     figure.update("yaxis", f"{title} [{unit.name}]", rangemode="tozero")
 

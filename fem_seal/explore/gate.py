@@ -120,7 +120,7 @@ def own_connection(theirs: object, ours: int) -> bool:
 def _send_headers(page: Dash) -> None:
     hashes = " ".join(page.csp_hashes())
     headers = {
-        name: text.format(hashes=hashes) for name, text in own_tables("explore.toml")["headers"].items()
+        name: text.format(hashes=hashes) for name, text in own_tables("explore/looks.toml")["headers"].items()
     }
 
     @page.server.after_request

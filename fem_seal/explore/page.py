@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import threading
 from collections.abc import Mapping, Sequence
@@ -23,10 +24,16 @@ from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, apply_choice, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
 from fem_seal.explore.gate import Design, FieldText, PageRequest, refuse, register_callback, validate
-from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
+from fem_seal.explore.screen import (
+    not_taken_words,
+    page_words,
+    refused_words,
+    slow_words,
+    still_words,
+)
 from fem_seal.files import own_tables
-from fem_seal.output.prose import template
-from fem_seal.units import shown_in
+from fem_seal.units import Display
+from fem_seal.wording import environment
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -47,7 +54,9 @@ def elements(macro: str, **values: Any) -> list[Any]:
     values
         Its parameters.
     """
-    text: str = getattr(template("explore.html.j2").module, macro)(**values)
+    text: str = getattr(
+        environment(Display(), escaped=True).get_template("explore/page.html.j2").module, macro
+    )(**values)
     return _children(fromstring(f"<page>{_NO_XML.sub('', text)}</page>"))
 
 
@@ -123,36 +132,35 @@ def _template(name: str) -> str:
 
 
 def _layout(answers: Answers, title: str, name: str) -> Any:
-    look = own_tables("explore.toml")
+    look = own_tables("explore/looks.toml")
     session = answers.newest
     # the first numbers are read before plotly.js is loaded; dash makes a layout of its own before, to check it
     first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
     begins: dict[str, Any] = {}
-    with shown_in(session.base_design.display):
-        if first is not None and first.load:
-            state = _state(first, answers)
-            begins = {
-                "now": (now := designs_shown(first, [])[0]),
-                "figures": {key: figure.plain() for key, figure in figures([now], dark=False).items()},
-                "state": state,
-                "shown": {
-                    "signature": _signature(first, state, {}, "", [], False, []),
-                    "number": 0,
-                    "design": first.design,
-                },
-            }
-        (layout,) = elements(
-            "page",
-            title=title,
-            name=name,
-            meta=_meta(session),
-            pictures=_PICTURES,
-            empty={"data": [], "layout": look["empty"]},
-            height=look["layout"]["height"],
-            begins=begins,
-            most=len(PINS),
-            **_controls(session, session.base_design),
-        )
+    if first is not None and first.load:
+        state = _state(first, answers)
+        begins = {
+            "now": (now := designs_shown(first, [])[0]),
+            "figures": {key: figure.plain() for key, figure in figures([now], dark=False).items()},
+            "state": state,
+            "shown": {
+                "signature": _signature(first, state, {}, "", [], False, []),
+                "number": 0,
+                "design": first.design,
+            },
+        }
+    (layout,) = elements(
+        "page",
+        title=title,
+        name=name,
+        meta=_meta(session),
+        pictures=_PICTURES,
+        empty={"data": [], "layout": look["empty"]},
+        height=look["layout"]["height"],
+        begins=begins,
+        most=len(PINS),
+        **_controls(session, session.base_design),
+    )
     return layout
 
 
@@ -284,26 +292,25 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             problem = " ".join(filter(None, sentences))
             return {**values, "problem": problem, "results": "results stale", "warnings": [], "shown": mark}
         designs = designs_shown(screen, pin_screens)
-        with shown_in(session.base_design.display):
-            pictures = figures(designs, bool(dark))
-            return {
-                **values,
-                "figures": [pictures[key].plain() for key in _PICTURES],
-                **{
-                    name: elements(name, now=designs[0])
-                    for name in ("verdict", "numbers", "sensitivities", "warnings")
-                },
-                "compare": elements(
-                    "compare",
-                    now=designs[0],
-                    pinned=designs[1:],
-                    rows=_input_rows(answers, [design.screen for design in designs]),
-                    most=len(PINS),
-                ),
-                "problem": not_taken_words(factors, screen.design, request.wrong),
-                "results": "results",
-                "shown": {**mark, "design": screen.design},
-            }
+        pictures = figures(designs, bool(dark))
+        return {
+            **values,
+            "figures": [pictures[key].plain() for key in _PICTURES],
+            **{
+                name: elements(name, now=designs[0])
+                for name in ("verdict", "numbers", "sensitivities", "warnings")
+            },
+            "compare": elements(
+                "compare",
+                now=designs[0],
+                pinned=designs[1:],
+                rows=_input_rows(answers, [design.screen for design in designs]),
+                most=len(PINS),
+            ),
+            "problem": not_taken_words(factors, screen.design, request.wrong),
+            "results": "results",
+            "shown": {**mark, "design": screen.design},
+        }
 
 
 def _input_rows(answers: Answers, screens: Sequence[Screen]) -> dict[str, list[str]]:
@@ -323,12 +330,13 @@ def _state(screen: Screen, answers: Answers) -> str:
     if screen.problem:
         return ""
     if screen.complete:
-        return "the numbers of fem-seal run"
+        return str(page_words().complete())
     if reason := answers.failure_reason(screen.design):
-        return f"live, without a complete run: {reason}"
+        return str(page_words().live_alone(reason))
     if screen.delay:
-        return f"calculating: {screen.delay}"
-    return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."
+        return str(page_words().calculating(screen.delay))
+    leaks = screen.load is not None and math.isfinite(screen.load.values["leak_rate_m3_per_s"])
+    return str(page_words().live(screen, leaks)).strip()
 
 
 def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:

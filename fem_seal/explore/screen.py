@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import signal
 import time
 from collections.abc import Mapping
@@ -15,14 +16,13 @@ import numpy as np
 from fem_seal import units
 from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
-from fem_seal.files import own_tables
 from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.verdict import next_class_of, tiles, verdict_sentences, worst_verdict
-from fem_seal.output.case_words import state_in_words
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
+from fem_seal.wording import environment
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -35,6 +35,13 @@ if TYPE_CHECKING:
 # Columns of leak.csv that stand on the page, those of a leak rate among them.
 LEAK = ("leak_rate_m3_per_s", "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 FIELDS = ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m", "peak_pressure_Pa", "fwhm_m", *LEAK)
+# Those beside the leak rate, by their names on the page.
+_NUMBERS = {
+    "peak": "peak_pressure_Pa",
+    "width": "fwhm_m",
+    "force": "contact_force_N",
+    "line": "line_load_N_per_m",
+}
 _POINTS = 241
 _ARC_STEPS = 24
 
@@ -175,6 +182,8 @@ class Screen:
         What a volume is that leaks.
     sensitivities : tuple of str
         What would change the leak most, in sentences; empty unless the run is complete.
+    display : Display
+        In which units it is shown.
     """
 
     design: dict[str, str]
@@ -195,6 +204,7 @@ class Screen:
     volume: units.LeakVolume = units.LIQUID
     wrong: dict[str, str] = field(default_factory=dict)
     sensitivities: tuple[str, ...] = ()
+    display: units.Display = field(default_factory=units.Display)
 
     @property
     def load(self) -> ShownLoad | None:
@@ -232,6 +242,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **fields: Any) 
             if not limit.visible
         ),
         volume=volume_of(case),
+        display=case.display,
         **fields,
     )
 
@@ -255,7 +266,7 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
         for sensitivity in shown_sensitivities(result.sensitivities)
     )
     reason = "yields" if result.problem.follows_path else "follow" if follow else "none"
-    return texts or (own_tables("explore.toml")["sensitivities"][reason],)
+    return texts or (getattr(page_words(), f"sensitivities_{reason}")(),)
 
 
 def _judge_solution(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
@@ -264,7 +275,7 @@ def _judge_solution(solution: SealSolution, *, complete: bool) -> dict[str, Any]
         return {"remarks": (text,) if text else ()}
     requirement = solution.case.requirement
     follow = requirement is not None and requirement.test == "standard" and not complete
-    service = (own_tables("explore.toml")["verdict"]["service"],) if follow else ()
+    service = (page_words().service(),) if follow else ()
     word = worst_verdict(solution)
     return {
         # service loads that pass decide nothing while the tests are not there
@@ -427,19 +438,23 @@ class ShownDesign:
         return validity_words(self.screen) if self.screen.load else ("", "–")
 
 
-def leak_words(load: ShownLoad, volume: units.LeakVolume) -> str:
+def page_words(display: units.Display | None = None) -> Any:
+    """Sentences and names of templates/explore/words.j2."""
+    return environment(display or units.Display()).get_template("explore/words.j2").module
+
+
+def leak_words(load: ShownLoad, volume: units.LeakVolume, display: units.Display | None = None) -> str:
     """The leak rate of a load, an interval where there is one."""
     rate, low, high = (load.values[name] for name in LEAK)
     if not math.isfinite(rate) and not math.isfinite(low):
         return "–"
+    ends = (low, high) if math.isfinite(low) and math.isfinite(high) else rate
     digits, is_claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
-    if math.isfinite(low) and math.isfinite(high):
-        return units.leak_range_text((low, high), digits, claimed=is_claimed, volume=volume)
-    return units.leak_rate_text(rate, digits, claimed=is_claimed, volume=volume)
+    return (display or units.Display()).leak_range(ends, digits, claimed=is_claimed, volume=volume)
 
 
 def numbers_of(screen: Screen) -> list[Number]:
-    """The numbers of the load that is shown.
+    """The numbers of the load that is shown, and what its verdict rests on.
 
     Parameters
     ----------
@@ -448,22 +463,29 @@ def numbers_of(screen: Screen) -> list[Number]:
     load = screen.load
     if load is None:
         return []
-    values = load.values
-    at = f"at {units.format_quantity('fluid pressure', values['fluid_pressure_Pa'])}"
-    remarks = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
-    rate = values["leak_rate_m3_per_s"]
-    numbers = [Number("leak", "leak rate", leak_words(load, screen.volume), remarks, rate)]
-    for name, words in own_tables("explore.toml")["numbers"].items():
-        column = words["column"]
-        value = units.quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
-        remark = load.remarks.get(column) or words["more"]
-        numbers.append(Number(name, words["what"], value, remark, values[column]))
-    if load.classes and preliminary_words(screen):
+    values, words, preliminary = load.values, page_words(screen.display), preliminary_words(screen)
+    state = screen.display.state_of(screen.volume)
+    at = words.at(values["fluid_pressure_Pa"], state, preliminary).strip()
+    numbers = [
+        Number(
+            "leak",
+            words.names["leak"],
+            leak_words(load, screen.volume, screen.display),
+            at,
+            values["leak_rate_m3_per_s"],
+        )
+    ]
+    for name, column in _NUMBERS.items():
+        value = screen.display.quantity(values[column], f"worth {COLUMNS[column].kind} {load.digits[column]}")
+        remark = load.remarks.get(column) or (words.both_forces() if name == "force" else "")
+        numbers.append(Number(name, words.names[name], value, remark, values[column]))
+    if load.classes:
         # a class is met by a whole interval or not at all
-        numbers.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))
-    elif load.classes:
-        numbers.append(Number("classes", "leakage class", load.classes[0], ", ".join(load.classes[1:])))
-    return numbers
+        best, remark = (
+            ("–", words.class_follows()) if preliminary else (load.classes[0], ", ".join(load.classes[1:]))
+        )
+        numbers.append(Number("classes", words.names["classes"], best, remark))
+    return numbers + [Number(re.sub(r"\W+", "-", name.lower()), name, *more) for name, *more in screen.facts]
 
 
 def preliminary_words(screen: Screen) -> str:
@@ -473,7 +495,7 @@ def preliminary_words(screen: Screen) -> str:
     ----------
     screen : Screen
     """
-    return "preliminary, inputs at their nominal values" if screen.widens else ""
+    return str(page_words().preliminary()) if screen.widens else ""
 
 
 def validity_words(screen: Screen) -> tuple[str, str]:
@@ -488,10 +510,9 @@ def validity_words(screen: Screen) -> tuple[str, str]:
     """
     assert screen.load is not None
     colour = {str(Level.VALID): "good", str(Level.DOUBTFUL): "warn"}.get(screen.load.level, "bad")
-    words = "within the theory" if colour == "good" else screen.load.level
-    if preliminary := preliminary_words(screen):
-        return "" if colour == "good" else colour, f"{words}; {preliminary}"
-    return colour, words
+    preliminary = preliminary_words(screen)
+    words = str(page_words().validity(screen.load.level, preliminary))
+    return "" if preliminary and colour == "good" else colour, words
 
 
 def slow_words(seconds: float) -> str:
@@ -502,7 +523,7 @@ def slow_words(seconds: float) -> str:
     seconds : float
         Estimated processor time [s].
     """
-    return f"Each change takes about {units.duration(seconds)}; it is calculated when the sliders rest."
+    return str(page_words().slow(units.duration(seconds)))
 
 
 def lost_words(code: int | None, *, has_successor: bool) -> str:
@@ -515,20 +536,9 @@ def lost_words(code: int | None, *, has_successor: bool) -> str:
     has_successor : bool
         Whether another one does its work.
     """
-    if code is None:
-        end = "did not come to an end and was stopped"
-    elif code >= 0:
-        end = f"ended with code {code}"
-    else:
-        signals = signal.Signals.__members__.values()
-        end = f"was killed ({next((sign.name for sign in signals if sign == -code), f'signal {-code}')})"
-    perhaps = "; the system does so where memory runs out" if code == -9 else ""
-    follows = (
-        "Another one has taken its place and begins its work anew."
-        if has_successor
-        else "Its work is not tried again by itself."
-    )
-    return f"At {time.strftime('%H:%M:%S')} a process of this page {end}{perhaps}. {follows}"
+    names = {-sign: sign.name for sign in signal.Signals.__members__.values()}
+    name = names.get(code, f"signal {-(code or 0)}")
+    return str(page_words().lost(time.strftime("%H:%M:%S"), code, name, has_successor)).strip()
 
 
 def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[str, str]) -> str:
@@ -543,10 +553,7 @@ def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[
         From keys of factors to the texts that stand in their fields.
     """
     labels = {key: label for key, label in factors.labels.items() if key in wrong}
-    if not labels:
-        return ""
-    entries = "; ".join(f'{label} = "{wrong[key]}"' for key, label in labels.items())
-    return f"Not taken: {entries}. The numbers belong to {_inputs(labels, design)}."
+    return str(page_words().not_taken(labels, wrong, design)) if labels else ""
 
 
 def refused_words(screen: Screen, design: Mapping[str, str]) -> dict[str, str]:
@@ -561,7 +568,7 @@ def refused_words(screen: Screen, design: Mapping[str, str]) -> dict[str, str]:
     if not screen.problem:
         return {}
     notes = {
-        key: f"What is shown belongs to {design[key]}."
+        key: str(page_words().refused(design[key]))
         for key, text in screen.design.items()
         if key in design and design[key] != text
     }
@@ -582,10 +589,4 @@ def still_words(factors: Factors, design: Mapping[str, str], old: Mapping[str, s
     labels = {
         key: label for key, label in factors.labels.items() if key in old and old[key] != design.get(key)
     }
-    if not labels:
-        return ""
-    return f"The faded numbers and pictures still belong to {_inputs(labels, old)}."
-
-
-def _inputs(labels: Mapping[str, str], design: Mapping[str, str]) -> str:
-    return "; ".join(f"{label} = {design[key]}" for key, label in labels.items() if key in design)
+    return str(page_words().still(labels, old)) if labels else ""

@@ -783,7 +783,7 @@ def test_a_calculation_that_hangs_is_stopped_and_one_is_left_when_another_is_ask
     session, calculator, told
 ):
     with pytest.raises(LostError, match="was stopped"):
-        done(calculator, session, "hangs", within=1.5)
+        done(calculator, session, "hangs", limit=1.5)
     with ThreadPoolExecutor(1) as beside:
         waits = beside.submit(done, calculator, session, "waits")
         while not waits.done():
