@@ -485,7 +485,10 @@ def numbers_of(screen: Screen) -> list[Number]:
             ("–", words.class_follows()) if preliminary else (load.classes[0], ", ".join(load.classes[1:]))
         )
         numbers.append(Number("classes", words.names["classes"], best, remark))
-    return numbers + [Number(re.sub(r"\W+", "-", name.lower()), name, *more) for name, *more in screen.facts]
+    facts = [
+        Number(re.sub(r"\W+", "-", name.lower()), name, value, remark) for name, value, remark in screen.facts
+    ]
+    return numbers + facts
 
 
 def preliminary_words(screen: Screen) -> str:
@@ -537,7 +540,7 @@ def lost_words(code: int | None, *, has_successor: bool) -> str:
         Whether another one does its work.
     """
     names = {-sign: sign.name for sign in signal.Signals.__members__.values()}
-    name = names.get(code, f"signal {-(code or 0)}")
+    name = names.get(code or 0, f"signal {-(code or 0)}")
     return str(page_words().lost(time.strftime("%H:%M:%S"), code, name, has_successor)).strip()
 
 
