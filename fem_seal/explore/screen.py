@@ -20,6 +20,7 @@ from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.verdict import next_class_of, tiles, verdict_sentences, worst_verdict
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
+from fem_seal.output.shown import Tile
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 from fem_seal.wording import environment
@@ -172,8 +173,8 @@ class Screen:
         Such as "pass"; empty without a requirement, and while its interval is not there.
     remarks : tuple of str
         The verdict in sentences, or the next class.
-    facts : tuple of tuple
-        Name, value and remark of what it rests on.
+    tiles : tuple of Tile
+        What it rests on.
     limits : tuple of tuple
         Name and leak rate of what is allowed at the load that is shown [m^3/s].
     widens : bool
@@ -198,7 +199,7 @@ class Screen:
     curve_loads: tuple[ShownLoad, ...] = ()
     verdict: str = ""
     remarks: tuple[str, ...] = ()
-    facts: tuple[tuple[str, str, str], ...] = ()
+    tiles: tuple[Tile, ...] = ()
     limits: tuple[tuple[str, float], ...] = ()
     widens: bool = False
     volume: units.LeakVolume = units.LIQUID
@@ -281,7 +282,7 @@ def _judge_solution(solution: SealSolution, *, complete: bool) -> dict[str, Any]
         # service loads that pass decide nothing while the tests are not there
         "verdict": "" if follow and word in (Verdict.PASS, Verdict.PASS_UNLESS) else str(word),
         "remarks": (*service, *verdict_sentences(solution)),
-        "facts": tuple((tile.name, tile.value, tile.remark) for tile in tiles(solution)),
+        "tiles": tuple(tiles(solution)),
     }
 
 
@@ -485,10 +486,9 @@ def numbers_of(screen: Screen) -> list[Number]:
             ("–", words.class_follows()) if preliminary else (load.classes[0], ", ".join(load.classes[1:]))
         )
         numbers.append(Number("classes", words.names["classes"], best, remark))
-    facts = [
-        Number(re.sub(r"\W+", "-", name.lower()), name, value, remark) for name, value, remark in screen.facts
-    ]
-    return numbers + facts
+    for tile in screen.tiles:
+        numbers.append(Number(re.sub(r"\W+", "-", tile.name.lower()), tile.name, tile.value, tile.remark))
+    return numbers
 
 
 def preliminary_words(screen: Screen) -> str:
