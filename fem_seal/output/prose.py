@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import load_name
-from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import current_display
 from fem_seal.wording import environment, fill
 
@@ -38,20 +37,6 @@ def template(name: str, *, escaped: bool = True) -> Template:
     made = environment(current_display(), escaped=escaped)
     made.globals["load_name"] = load_name
     return made.get_template(name)
-
-
-def in_scenario(scenario: str, own: str, clause: str) -> str:
-    """A sentence about the result in a scenario beside.
-
-    Parameters
-    ----------
-    scenario, own : str
-        Names of the scenario and of the result's own.
-    clause : str
-        The result in that scenario.
-    """
-    taken, condition = SCENARIOS[own].taken, SCENARIOS[scenario].condition
-    return phrase("interval.load", "other", taken=taken, condition=condition, clause=clause)
 
 
 def phrase(where: str, *parts: str, **values: object) -> str:
