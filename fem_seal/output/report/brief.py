@@ -291,14 +291,24 @@ def _leaks_in_one_unit(columns: Iterable[ReportColumn]) -> Iterator[ReportColumn
         yield replace(one, given_unit=unit) if one.column.kind == "flow" else one
 
 
-def remarks_in_brief(result: SealSolution) -> list[str]:
-    """The warnings as clauses, the worst first; not of the force for a target what is said of the loads already.
+def remarks_in_brief(result: SealSolution) -> dict[str, str]:
+    """The warnings as clauses, the worst first, with where they are, what they mean and what helps.
+
+    Of the force for a target not what is said of the loads already.
 
     Parameters
     ----------
     result : SealSolution
     """
-    short = {one.text: one.reason for one in all_cautions(result.answers)}
+    known = {one.text: one for one in all_cautions(result.answers)}
     kinds, target = {one.kind for one in FINDINGS.of(result.answers).cautions}, TARGET.of(result.answers)
     again = {one.text for one in target.remarks if one.kind in kinds} if target else set()
-    return list(dict.fromkeys(short.get(text, text) for text in result.warnings if text not in again))
+    told: dict[str, str] = {}
+    for text in result.warnings:
+        if text in known and text not in again:
+            found = known[text]
+            place = f"{found.place[:1].upper()}{found.place[1:]}"
+            told.setdefault(found.reason, ". ".join(filter(None, (place, found.remedy))))
+        elif text not in again:
+            told.setdefault(text, "")
+    return told

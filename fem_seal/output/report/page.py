@@ -288,7 +288,7 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
         "why": why,
         "decides": [line for line in decides if line not in lines],
         "sections": [page.section for page in pages if page.section] if full else (),
-        "warnings": list(result.warnings) if full else brief.remarks_in_brief(result),
+        "warnings": list(brief.remarks_in_brief(result).items()),
         "given": words.given_in_words(result),
         "definitions": definitions if full else [one for one in definitions if one["sign"] in seen],
     }
