@@ -17,7 +17,7 @@ from fem_seal import load_case, run
 from fem_seal.answers.leakage_class import leakage_classes
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import Case
-from fem_seal.output.report.words import classes_in_words
+from fem_seal.output.answers.leak import classes_in_words
 from fem_seal.seal.load_result import highest_load, load_values
 from fem_seal.units import number, quantity
 from leak import Reading

@@ -185,8 +185,7 @@ def _show(
     json: bool,
 ) -> None:
     """Tell a result that was written, and what was understood of given contacts."""
-    from fem_seal.output.report.brief import remarks_in_brief
-    from fem_seal.output.report.words import given_in_words
+    from fem_seal.output.report.brief import given_in_words, remarks_in_brief
     from fem_seal.output.tables import leak_rows
 
     if json:

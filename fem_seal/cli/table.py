@@ -82,7 +82,7 @@ def grid(text: str, dimension: str) -> list[float]:
 
 def _show(leaks: LeakMap) -> None:
     """Print the leak rates, one line per pressure, marked where they are not valid."""
-    from fem_seal.output.report.words import volumes_of_gas
+    from fem_seal.output.answers.leak import volumes_of_gas
     from fem_seal.seal.findings import Level
     from fem_seal.units import digits_within, fixed_unit, round_digits
 

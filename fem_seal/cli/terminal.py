@@ -326,8 +326,8 @@ def show_leak_table(
     volume : LeakVolume, optional
         State of the leaking volume; that of a liquid unless given.
     """
+    from fem_seal.output.answers.leak import volume_notes
     from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
-    from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
     from fem_seal.seal.load_result import MissingLoad
 
@@ -394,7 +394,7 @@ def show_leakage(case: Case, loads: Sequence[CaseLoad]) -> None:
     case : Case
     loads : sequence of CaseLoad
     """
-    from fem_seal.output.report.words import leakage_lines
+    from fem_seal.output.answers.leak import leakage_lines
     from fem_seal.seal.load_result import highest_load
 
     tell(*leakage_lines(case, loads[highest_load(loads)], loads))
@@ -407,10 +407,9 @@ def show_answers(result: SealSolution) -> None:
     ----------
     result : SealSolution
     """
-    from fem_seal.output.report.words import load_notes
     from fem_seal.output.shown_answers import pages_of
 
-    tell(*load_notes(result), *(line for page in pages_of(result) for line in page.details))
+    tell(*(line for page in pages_of(result) for line in page.details))
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:

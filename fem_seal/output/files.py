@@ -19,8 +19,7 @@ from fem_seal.files import as_json, write_text
 from fem_seal.output import shown_answers, stored
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
-from fem_seal.output.report.page import write_report
-from fem_seal.output.report.words import far_field_sentence
+from fem_seal.output.report.page import far_field_sentence, write_report
 from fem_seal.output.shown import by_scenario
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import (

@@ -116,10 +116,11 @@ def history(result: SealSolution, display: Display) -> list[str]:
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
-    load = decisive(result)
+    load, before = decisive(result), history(result, display)
     return AnswerPage(
         tiles=[*_tiles(result, display, load)],
-        why=[*_why(result, display, load), *history(result, display)],
+        why=[*_why(result, display, load), *before],
+        details=before,
     )
 
 

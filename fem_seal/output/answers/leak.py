@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.case_load import rate_of
-from fem_seal.answers.leakage_class import class_size, leakage_classes, volume_of
+from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.case.roughness import uncertain_heights
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import COLUMNS
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_values
@@ -29,7 +30,7 @@ from fem_seal.units import (
 )
 from fem_seal.validity.checks import FLUID_OPENS
 from fem_seal.wording import say
-from leak import CoupledLeakResult, LeakResult, drops_per_minute
+from leak import CoupledLeakResult, LeakageClass, LeakResult, drops_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -68,16 +69,15 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
         yield Tile("Narrowest point of the leak path", value, "u_c at the peak pressure", 80, level)
 
 
-def sure(result: SealSolution, display: Display, load: CaseLoad) -> str:
+def sure(case: Case, load: CaseLoad) -> str:
     """What the interval of a leak rate covers, in one sentence; empty for a single number.
 
     Parameters
     ----------
-    result : SealSolution
-    display : Display
+    case : Case
     load : CaseLoad
     """
-    case, ends = result.case, rate_of(load)
+    ends, least, most = rate_of(load), *load.leak_validity.leak_factor
     if load.leak is None or load.validity.outside:
         return ""
     if not isinstance(ends, tuple) or not volume_of(case).measurable(ends[1]):
@@ -88,10 +88,13 @@ def sure(result: SealSolution, display: Display, load: CaseLoad) -> str:
         kind, share = uncertain_in_words(case, load), case.sampled.confidence
         also = "both" if load.others else "" if load.flow_error is None else "own"
     elif load.leak_range is not None and (not load.others or has_two_numbers(load)):
-        kind = "bounds" if load.others else "simulated"
+        kind, also = (
+            "bounds" if load.others else "simulated",
+            "own" if max(most, 1.0 / least) > _NOTICED else "",
+        )
     else:
         kind = "error"
-    return say(display, "leak", "sure", kind=kind, also=also, share=share)
+    return say(case.display, "leak", "sure", kind=kind, also=also, share=share)
 
 
 def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str]:
@@ -247,9 +250,94 @@ def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, st
         yield found.mass_flow, "kg/s"
 
 
+def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
+    """Notes below a table of leak rates.
+
+    Parameters
+    ----------
+    volume : LeakVolume
+    units : sequence of str
+        Units of the volumes in it.
+    unmeasured : bool
+        Whether some of them are too small to be measured.
+    """
+    found = [phrase("interval.volume", "least", least=volume.least_name)] if unmeasured else []
+    if volume.gas:
+        # pressure times volume, two words, has no state
+        volumes = [unit for unit in dict.fromkeys(units) if " " not in unit]
+        found += [phrase("interval.volume", "column", unit=unit, state=volume.gas) for unit in volumes]
+    return found
+
+
+def volumes_of_gas(gas: bool) -> str:
+    """State of gas volumes where the temperature differs from row to row, " (...)"; empty for a liquid."""
+    return f" ({phrase('interval.volume', 'heading')})" if gas else ""
+
+
+def classes_in_words(classes: Sequence[LeakageClass]) -> str:
+    """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"; "not claimed" outside the theory."""
+    if not classes:
+        return "not claimed"
+    met = [str(one) for one in classes if one.name]
+    missed = [str(one) for one in classes if not one.name]
+    return "; ".join([*([", ".join(met)] if met else []), *missed])
+
+
+def judged_as(case: Case, load: CaseLoad) -> str:
+    """Note that the classes hold for the fluid of the standards' test; empty if it is the fluid of the case.
+
+    Parameters
+    ----------
+    case : Case
+    load : CaseLoad
+    """
+    assert case.fluid is not None
+    if is_flange(case):
+        return ""
+    fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
+    return phrase("interval.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
+
+
+def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list[str]:
+    """Lines for the terminal about one load; none without a leak rate.
+
+    Parameters
+    ----------
+    case : Case
+    load : CaseLoad
+    loads : sequence
+        All of them.
+    """
+    if load.leak is None:
+        return []
+    found = load.validity
+    doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
+    why = ", because the leak rate is outside the theory" if found.outside else ""
+    tested, covered = "" if found.outside else judged_as(case, load), sure(case, load)
+    classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
+    at, told = load_values(load, loads), leakage_text(load, volume)
+    if load.tested and not found.outside:
+        at, told = f"{at} after the leak test", told_after_test(load, volume, told)
+    return [
+        f"Leak rate at {at}: {told}{doubt}",
+        *([f"  {covered}"] if covered else []),
+        *([f"  {_as_given(case, load)}"] if load.sampled is not None else []),
+        f"Leakage class for {class_size(case)[1]}: {classes}{why}",
+        *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
+    ]
+
+
+def _as_given(case: Case, load: CaseLoad) -> str:
+    """The leak rate with the inputs as given, in both readings of yielding asperities."""
+    # in the unit of the line above
+    rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
+    finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
+    return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)
+
+
 def _page(result: SealSolution, display: Display) -> AnswerPage:
     load = decisive(result)
-    line = sure(result, display, load)
+    line = sure(result.case, load)
     return AnswerPage(
         first=[line] if line else (),
         tiles=[*_tiles(result, display, load)],

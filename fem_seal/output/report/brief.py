@@ -25,10 +25,10 @@ from fem_seal.output.columns import (
     ReportColumn,
     columns_table,
     filled_columns,
+    in_words,
 )
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
-from fem_seal.output.report.words import contact_alone
 from fem_seal.output.shown import AnswerPage, decisive
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
@@ -51,9 +51,30 @@ def first_line(result: SealSolution) -> str:
     result : SealSolution
     """
     if result.highest.leak is None and result.judgement is None:
-        return f"{contact_alone(result).removesuffix('.')}{missing_in_brief(result)}"
+        return f"{_contact_alone(result)}{missing_in_brief(result)}"
     told = verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.every_load)
     return f"{told}{missing_in_brief(result)}"
+
+
+def given_in_words(result: SealSolution) -> list[str]:
+    """What the columns of a file with given contacts were taken for; empty where the contacts are solved.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return list(dict.fromkeys(one.understood for one in result.answers.get("profiles", ()) if one.understood))
+
+
+def _contact_alone(result: SealSolution) -> str:
+    """Width and peak pressure of the contact of a case without a leak rate, and why it has none."""
+    missing, load = "roughness" if result.surface is None else "fluid", result.highest
+    at, contact = load_values(load, result.every_load), _contact(load)
+    return phrase("brief.first", "contact", load=at, contact=contact, missing=missing)
+
+
+def _contact(load: CaseLoad) -> str:
+    return f"{in_words(load, 'fwhm_m')} wide under {in_words(load, 'peak_pressure_Pa')} peak pressure"
 
 
 def lines_in_brief(result: SealSolution, pages: Sequence[AnswerPage]) -> list[str]:

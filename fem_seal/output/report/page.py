@@ -38,7 +38,7 @@ from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import phrase, prose, template
-from fem_seal.output.report import brief, words
+from fem_seal.output.report import brief
 from fem_seal.output.shown import decisive, worded_table
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
@@ -289,7 +289,7 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
         "decides": [line for line in decides if line not in lines],
         "sections": [page.section for page in pages if page.section] if full else (),
         "warnings": list(brief.remarks_in_brief(result).items()),
-        "given": words.given_in_words(result),
+        "given": brief.given_in_words(result),
         "definitions": definitions if full else [one for one in definitions if one["sign"] in seen],
     }
 
@@ -297,7 +297,7 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
 def _of_full(result: SealSolution, derived: Derived) -> dict[str, Any]:
     """What the full page has beside this."""
     return {
-        "far_field": words.far_field_sentence(result),
+        "far_field": far_field_sentence(result),
         "loads": load_table(result),
         "marks": marks_in_words(result),
         "validity": validity_table(result),
@@ -306,6 +306,33 @@ def _of_full(result: SealSolution, derived: Derived) -> dict[str, Any]:
         "yielding": yielding_table(result),
         **{name: value for shown in shown_answers.SHOWN for name, value in shown.words_of(result).items()},
     }
+
+
+# Relative changes below this get no number.
+_LEAST = 1e-5
+
+
+def far_field_sentence(result: SealSolution) -> str:
+    """The influence of the far field in one sentence; empty if nothing was compared."""
+    if not result.far_field:
+        return ""
+    changes = "; ".join(
+        phrase(
+            "notes.far_field",
+            "peak" if change.leak_rate is None else "both",
+            change=change.name,
+            peak=_change_in_words(change.peak_pressure),
+            leak_rate="" if change.leak_rate is None else _change_in_words(change.leak_rate),
+        )
+        for change in result.far_field
+    )
+    which = "one" if len(result.loads) == 1 else "strongest"
+    load = load_name(result.strongest, result.loads)
+    return phrase("notes.far_field", which, load=load, changes=changes)
+
+
+def _change_in_words(change: float) -> str:
+    return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"
 
 
 # Number of columns that fit on the page; of more columns these are dropped first. leak.csv has them all.

@@ -16,11 +16,11 @@ from fem_seal.answers.judgement import VerdictReason
 from fem_seal.answers.leakage_class import fluid_of_test, in_the_test
 from fem_seal.answers.leakage_class import test_of as ratios_of
 from fem_seal.explore.screen import leak_words, shown_load
+from fem_seal.output.answers.leak import leakage_lines
 from fem_seal.output.answers.uncertainty import interval_table
 from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
-from fem_seal.output.report.words import headline, leakage_lines
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.units import LIQUID, format_digits, leak_range_text, range_text
@@ -73,7 +73,7 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
     judged = result.judgement
     assert judged.worst.ends == ends[judged.number]
     assert (told["requirement"][LOW], told["requirement"][HIGH]) == ends[judged.number]
-    # sentence, headline, tile, and the page that moves
+    # sentence, tile, and the page that moves
     load = result.highest
     low, high = widest = ends[result.loads.index(load)]
     as_one, claimed = high <= AGREE * low, level is not Level.OUTSIDE
@@ -89,11 +89,6 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
     assert tile.value == leak_range_text(rate, load.leak_digits, claimed=claimed)
     if apart:
         assert leak_words(shown_load(load, result.case), LIQUID) == tile.value
-    if claimed:
-        others = [end for one in ends for end in one] if not as_one else []
-        assert f"{leak_range_text(rate, load.leak_digits, beside=others)} at " in headline(result)
-    else:
-        assert "no leak rate can be claimed" in headline(result)
     assert tile.value in report(result, full=True).replace("\xa0", " ")
 
 
@@ -101,14 +96,13 @@ def test_what_widens_the_interval_is_said_beside_it():
     few = known_as(rough_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
     load = few.highest
     held = leakage_lines(few.case, load, few.loads)[2]
-    assert held == "  The interval also covers the error of the calculation: few channels."
-    assert held.strip() in headline(few)
-    alone = known_as(single_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
-    assert "The interval covers the error of the calculation: few channels." in headline(alone)
-    plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
-    assert not any(
-        "error of the calculation" in one for one in leakage_lines(plain.case, plain.highest, plain.loads)
+    assert held.startswith("  The two ends are the bounds of yielding") and held.endswith(
+        ", with the model error."
     )
+    alone = known_as(single_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
+    assert "  The interval is the model error." in leakage_lines(alone.case, alone.highest, alone.loads)
+    plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
+    assert not any("model error" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
 
 
 def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():

@@ -18,6 +18,7 @@ from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
 from fem_seal.answers.verdict import _shares, seal_verdict
 from fem_seal.cli.terminal import show_leak_table, show_result
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
+from fem_seal.output.answers.leak import leakage_lines
 from fem_seal.output.answers.verdict import (
     _state,
     basis_lines,
@@ -29,7 +30,6 @@ from fem_seal.output.answers.verdict import (
 )
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
-from fem_seal.output.report.words import leakage_lines
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import MissingLoad

@@ -34,7 +34,7 @@ from fem_seal.explore.worker import (
     complete_screen,
     with_sensitivities,
 )
-from fem_seal.output.report.words import headline
+from fem_seal.output.report.brief import first_line
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.problem import SealProblem
 
@@ -260,7 +260,7 @@ def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):
     low, high = (screen.load.values[f"leak_rate_{end}_m3_per_s"] for end in ("low", "high"))
     assert (low, high) == (row["leak_rate_low_m3_per_s"], row["leak_rate_high_m3_per_s"])
     leak = next(one for one in numbers_of(screen) if one.name == "leak")
-    said = headline(run)
+    said = first_line(run)
     assert leak.value in said
     assert "preliminary" not in leak.remark
     live = session.answer({}).load.values

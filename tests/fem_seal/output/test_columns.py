@@ -14,8 +14,8 @@ from fem_seal.cli.terminal import show_leakage
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
 from fem_seal.output.columns import CHECK_ON_TERMINAL, COLUMNS, LEAK_ON_TERMINAL, columns_of
+from fem_seal.output.report.brief import first_line
 from fem_seal.output.report.page import load_table
-from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load
 from fem_seal.studies.study import Study
@@ -103,7 +103,7 @@ def test_the_highest_load_is_the_same_everywhere(capsys):
     result = replace(result, loads=loads)
     assert highest_load(loads) == 1 and result.highest is pushed
     assert result.strongest is loads[0]
-    assert "20 bar with 500 N" in headline(result)
+    assert "20 bar with 500 N" in first_line(result)
     show_leakage(result.case, loads)
     assert "Leak rate at 20 bar with 500 N" in capsys.readouterr().out
 

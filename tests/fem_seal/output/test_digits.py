@@ -21,11 +21,12 @@ from fem_seal.answers.closed_forms import derive
 from fem_seal.cli import app as cli
 from fem_seal.explore.screen import leak_words, shown_load
 from fem_seal.output.answers.contact import _width_reason
+from fem_seal.output.answers.leak import leakage_lines
 from fem_seal.output.answers.variants import variant_table
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.pictures.surface import surface_picture
+from fem_seal.output.report.brief import first_line
 from fem_seal.output.report.page import comparison_table
-from fem_seal.output.report.words import headline, leakage_lines
 from fem_seal.output.shown_answers import pages_of
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError
@@ -75,7 +76,7 @@ def all_words(result) -> str:
     assert drawn is not None
     return "\n".join(
         (
-            headline(result),
+            first_line(result),
             *(f"{one.value}; {one.remark}" for one in tiles_of(result).values()),
             *(reason for page in pages_of(result) for reason in page.why),
             *leakage_lines(case, load, result.loads),
@@ -242,7 +243,7 @@ def test_a_leak_rate_has_the_digits_that_its_theory_leaves(error, digits):
     assert COLUMNS["peak_pressure_Pa"].digits(load) == 4 == load.digits_of("force_for_target")
     result = replace(rough_result(), loads=(*rough_result().loads[:-1], load))
     told = (
-        headline(result) + tiles_of(result)["Leak rate"].value + leakage_lines(result.case, load, [load])[0]
+        first_line(result) + tiles_of(result)["Leak rate"].value + leakage_lines(result.case, load, [load])[0]
     )
     for leak_rate in load.leak_range:
         assert not with_too_many_digits(told, leak_rate, digits)

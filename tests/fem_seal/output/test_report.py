@@ -30,12 +30,12 @@ from sample_results import (
 import fem_seal
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import derive
+from fem_seal.output.answers.leak import uncertain_in_words
 from fem_seal.output.answers.target import target_in_brief
 from fem_seal.output.files import summary
 from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
 from fem_seal.output.pictures.style import svg as written_svg
-from fem_seal.output.report import words as report_words
-from fem_seal.output.report.brief import _curve, loads_in_brief
+from fem_seal.output.report.brief import _curve, first_line, loads_in_brief
 from fem_seal.output.report.page import load_table, pictures, report
 from fem_seal.output.shown import Tile
 from fem_seal.output.shown_answers import SHOWN
@@ -361,16 +361,12 @@ def test_tiles_carry_the_validity_and_no_class_is_claimed_outside_the_theory():
     assert any("ISO 5208" in tile.value + tile.remark for tile in doubtful)
 
 
-def test_headline_claims_nothing_outside_the_theory():
+def test_the_first_line_claims_nothing_outside_the_theory():
     result = leakless(rough_result())
-    assert report_words.headline(result).startswith("Sealed at every load up to 20 bar")
-    some = report_words.headline(judged(result, Level.VALID, Level.DOUBTFUL, Level.OUTSIDE))
-    assert "Sealed" not in some and "at an unknown rate at 20 bar" in some
-    assert "outside the theory at 20 bar (seat: 7.4 times its yield stress)" in some
-    assert "doubtful at 5 bar" in some
-    every = report_words.headline(judged(result, *[Level.OUTSIDE] * 3))
-    assert every.startswith("At 20 bar no leak rate can be claimed.") and "at every load" in every
-    assert "doubtful" not in report_words.headline(rough_result())
+    assert first_line(result).startswith("Sealed at 20 bar")
+    some = first_line(judged(result, Level.VALID, Level.DOUBTFUL, Level.OUTSIDE))
+    assert "Sealed" not in some and "outside the theory (seat: 7.4 times its yield stress)" in some
+    assert "doubt" not in first_line(rough_result())
 
 
 def test_loads_and_their_reasons_stand_in_the_tables():
@@ -559,7 +555,5 @@ def test_the_first_lines_say_that_no_force_meets_the_target():
 def test_the_interval_names_inputs_besides_the_finish():
     known = case(roughness={"Ra": "0.4 um", "process": "lapped"})
     both = known.replace({"uncertainty": {"hardness": {"relative": 0.1}}})
-    kinds = [
-        report_words.uncertain_in_words(one, single_result().highest) for one in (known, both, single_case())
-    ]
+    kinds = [uncertain_in_words(one, single_result().highest) for one in (known, both, single_case())]
     assert kinds == ["finish", "mixed", "inputs"]

@@ -31,14 +31,12 @@ from fem_seal.output.files import summary
 from fem_seal.output.pictures import contact as pictures_contact
 from fem_seal.output.pictures import leak as pictures_leak
 from fem_seal.output.pictures.style import style
-from fem_seal.output.report import words
 from fem_seal.output.shown_answers import pages_of
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.load_result import different, load_axis, load_name
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import leak_range_text
 
 YIELD = 200e6
 CASE = """
@@ -257,31 +255,6 @@ def test_a_load_that_comes_back_has_a_number(proof: SealResult) -> None:
     assert [load_name(load, loads) for load in loads] == ["50 bar (load 1)", "300 bar", "50 bar (load 3)"]
     assert different(loads) == [0, 2, 1]
     assert load_axis(loads).names == tuple(load_name(load, loads) for load in loads)
-
-
-def test_the_headline_says_what_leaks_after_the_highest_load(proof: SealResult, result: SealResult) -> None:
-    before, _, after = (f"{load.leak.leak_rate * 6e7:#.3g}" for load in proof.loads if load.leak)
-    # at 0.056 of the peak the fluid may open the gap, by 1 % more leakage
-    highest = leak_range_text(proof.loads[1].leak_interval).removesuffix(" ml/min")
-    assert before != after
-    beside = "By the corrected theory 21 to 24 ml/min leaks at 300 bar"
-    assert words.headline(proof) == (
-        f"The seal leaks {before} ml/min at 50 bar and {highest} ml/min at 300 bar; after 300 bar, "
-        f"{after} ml/min at 50 bar. {beside}."
-    )
-    up = replace(proof, loads=proof.loads[1:] + proof.loads[1:2])
-    assert words.headline(up) == (
-        f"The seal leaks {after} ml/min at 50 bar and {highest} ml/min at 300 bar. {beside} (load 1)."
-    )
-    # down from the highest load: there is nothing before it
-    coined = result.loads[1].contact.profile
-    said = words.headline(result)
-    assert said.startswith("At 300 bar the contact is ")
-    assert f"; after 300 bar, {coined.fwhm * 1e3:.3f} mm wide under " in said
-    down = replace(proof, loads=proof.loads[1:])
-    assert words.headline(down) == (
-        f"The seal leaks {highest} ml/min at 300 bar; after 300 bar, {after} ml/min at 50 bar. {beside}."
-    )
 
 
 def test_pictures_follow_the_path(proof: SealResult, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,9 +16,9 @@ import fem_seal
 import leak
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.errors import InputError
+from fem_seal.output.answers.leak import leakage_lines, leakage_text
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
-from fem_seal.output.report.words import leakage_lines, leakage_text
 from fem_seal.output.tables import leak_table, leakage_table
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import LoadResult

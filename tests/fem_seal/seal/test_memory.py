@@ -22,9 +22,9 @@ from fem_seal.answers.target import contacts_at_target
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import largest_before
 from fem_seal.errors import InputError
+from fem_seal.output.answers.contact import history
 from fem_seal.output.pictures.leak import memory_picture
 from fem_seal.output.pictures.style import style
-from fem_seal.output.report import words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
 from fem_seal.seal.evaluate import evaluate
@@ -413,8 +413,8 @@ def loop() -> SealResult:
 def test_a_run_of_a_path_says_that_it_remembers() -> None:
     up, down = loop().loads
     assert down.remembers and not up.remembers
-    (said,) = words.load_notes(loop())
-    assert "in the order of the list" in said and said in words.headline(loop())
+    (said,) = history(loop(), loop().case.display)
+    assert "in the order of the list" in said
     with style():
         picture = memory_picture(loop())
     assert picture is not None and ">after the loads before it<" in picture.svg.decode()
@@ -496,7 +496,7 @@ def test_the_report_shows_the_loop_and_names_the_load() -> None:
     assert picture is not None
     text = picture.svg.decode()
     assert ">after a load of 3000 N<" in text and ">first loading<" in text
-    assert "a load of 3000 N" in words.headline(result())
+    assert "a load of 3000 N" in history(result(), result().case.display)[0]
     page = report(result(), full=True)
     assert 'id="picture-memory"' in page
     assert "largest earlier load" in page
@@ -505,16 +505,13 @@ def test_the_report_shows_the_loop_and_names_the_load() -> None:
 
 
 def test_words_say_whether_anything_is_remembered() -> None:
-    (said,) = words.load_notes(result())
-    assert "the plastic deformation from that load remains" in said and all(
-        load.remembers for load in result().loads
-    )
+    (said,) = history(result(), result().case.display)
+    assert "its plastic deformation remains" in said and all(load.remembers for load in result().loads)
     first = tuple(first_loading(load) for load in result().loads)
     assert not any(load.remembers for load in first)
-    (said,) = words.load_notes(
-        replace(result(), loads=first)
-    )  # as if the earlier load had been the smaller one
-    assert "these results are for first loading" in said
+    # as if the earlier load had been the smaller one
+    (said,) = history(replace(result(), loads=first), result().case.display)
+    assert "first loading counts" in said
 
 
 def test_an_earlier_load_below_all_others_is_not_remembered() -> None:

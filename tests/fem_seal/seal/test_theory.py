@@ -15,9 +15,8 @@ import fem_seal
 import leak
 from fem_seal.answers.closed_forms import closed_form_limits
 from fem_seal.explore.session import Session
-from fem_seal.output.answers.variants import SHOWN
+from fem_seal.output.answers.variants import SHOWN, headline
 from fem_seal.output.answers.verdict import basis_lines
-from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
@@ -126,8 +125,8 @@ def test_the_headline_of_the_papers_theory_has_the_corrected_one_beside_it():
         fem_seal.run(example("ball_cone", load__fluid_pressure="20 bar", leak__theory=theory), full=True)
         for theory in ("paper", "corrected")
     )
-    assert "By the corrected theory 66 to 86 ml/min leaks at 20 bar." in headline(paper)
-    assert "theory" not in headline(corrected)
+    assert "By the corrected theory 66 to 86 ml/min leaks at 20 bar." in headline(paper, paper.case.display)
+    assert not headline(corrected, corrected.case.display)
     # what it makes of the difference multiplies to the whole
     whole, parts, yields, simulated, _ = SHOWN.page_of(paper, paper.case.display).section.sentences
     assert "66 to 86 ml/min" in whole and " 3.1 times the 23 ml/min" in whole
