@@ -24,7 +24,8 @@ def is_by_paper(load: CaseLoad) -> bool:
     ----------
     load : CaseLoad
     """
-    told = load.leak is not None and not load.validity.outside
+    # one that is sealed alone is told with its upper bound
+    told = load.leak is not None and load.leak.leak_rate > 0.0 and not load.validity.outside
     return told and "paper" in load.names and load.sampled is None
 
 
