@@ -54,7 +54,8 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
         middle = leak_range_text(usual_rate_of(load), min(load.leak_digits, 2), volume=volume)
         text = told_after_test(load, volume) if load.tested else text
     elif is_by_paper(load) and (ends := separate_ends(load)) is not None:
-        text, middle = (leak_range_text(end, 2, beside=ends, volume=volume) for end in ends)
+        digits = min(load.leak_digits, 2)
+        text, middle = (leak_range_text(end, digits, beside=ends, volume=volume) for end in ends)
         kind = "bound"
     at = load_values(load, result.loads)
     yield Tile("Leak rate", text, say(display, "leak", "rate", load=at, middle=middle, kind=kind), 0, level)
