@@ -122,7 +122,9 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
     if found.outside:
         return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
     by_paper = is_by_paper(load)
-    told_rate, digits = (load.leak.leak_rate, min(load.leak_digits, 2)) if by_paper else (rate_of(load), load.leak_digits)
+    told_rate, digits = (
+        (load.leak.leak_rate, min(load.leak_digits, 2)) if by_paper else (rate_of(load), load.leak_digits)
+    )
     rate = leak_range_text(told_rate, digits, volume=volume)
     classes = leakage_classes(case, load)
     met = ", ".join(str(one) for one in classes if one.name)
