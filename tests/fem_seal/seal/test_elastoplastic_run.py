@@ -222,7 +222,6 @@ def test_report_shows_imprint_and_yielding(folder: Path) -> None:
     for text in (
         'id="picture-imprint"',
         "Permanent imprint",
-        "Yielding and imprint",
         "has yielded to a depth of",
     ):
         assert text in page
