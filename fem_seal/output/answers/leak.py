@@ -11,8 +11,8 @@ import numpy as np
 from fem_seal.answers.case_load import rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.case.roughness import uncertain_heights
-from fem_seal.output.answers.support import is_by_paper
 from fem_seal.output.answers.uncertainty import told_after_test
+from fem_seal.output.answers.variants import is_by_paper
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive

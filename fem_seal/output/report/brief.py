@@ -16,8 +16,8 @@ from fem_seal.loads import LARGEST_TURNING
 from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.sensitivities import change_in_brief
-from fem_seal.output.answers.support import is_by_paper, supported_by, theory_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
+from fem_seal.output.answers.variants import is_by_paper, supported_by, theory_in_brief
 from fem_seal.output.columns import (
     MOST_COLUMNS,
     SHOWN_COLUMNS,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from sample_results import case, run_loads, smooth_result
 
-from fem_seal.output.answers.support import supported_by, theory_in_brief
+from fem_seal.output.answers.variants import supported_by, theory_in_brief
 from fem_seal.output.report.brief import lines_in_brief
 from fem_seal.output.shown_answers import pages_of
 
