@@ -295,7 +295,7 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
     assert proof.unloaded is not None
     state = proof.unloaded.states["seat"]
     less = replace(
-        state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated_strain)
+        state, plastic=replace(state.plastic, accumulated_strain=share * state.plastic.accumulated_strain)
     )
     unloaded = replace(proof.unloaded, states={"seat": less})
     weaker = replace(proof, unloaded=unloaded)
