@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
@@ -133,7 +133,8 @@ class Designs:
     @property
     def verdicts(self) -> dict[str, int]:
         """How many designs pass, fail and are inconclusive; empty where nothing was asked."""
-        return _counts(self.verdict, [*Verdict])
+        counts = self.verdict.value_counts()
+        return {str(verdict): int(counts[verdict]) for verdict in Verdict if verdict in counts}
 
     @cached_property
     def worst_reason(self) -> pd.Series:
@@ -166,11 +167,6 @@ class Designs:
     def left_out(self) -> int:
         """How many designs meet all constraints and are left out for being outside the theory."""
         return len(self.feasible) - int(self.eligible.sum())
-
-    @cached_property
-    def levels(self) -> dict[str, int]:
-        """How many designs that did not fail are valid, doubtful and outside the theory; empty if nobody has judged."""
-        return _counts(self.validity, [*Level])
 
     @cached_property
     def violations(self) -> pd.Series:
@@ -258,7 +254,7 @@ class Designs:
         signs = [self.sign(name) for name in self.about["goals"]]
         return (self.goal_values[self.eligible] * signs).dropna()
 
-    @cached_property
+    @property
     def passes(self) -> BoolArray:
         """Which designs that did not fail keep the requirement, often enough where that is known; all without one."""
         if PASSES in self.successes:
@@ -266,7 +262,7 @@ class Designs:
         passing = self.verdict.isin([Verdict.PASS, Verdict.PASS_UNLESS])
         return (passing | (not self.verdicts)).to_numpy()
 
-    @cached_property
+    @property
     def order(self) -> list[int]:
         """Numbers of the designs that did not fail: those that count and pass first, the best of them above."""
         keys = (~self.eligible).to_frame("left out").assign(fails=~self.passes)
@@ -291,12 +287,6 @@ class Designs:
         if goals.shape[1] == 2:
             goals = goals[pareto_front(goals.to_numpy())]
         return [int(number) for number in goals.sort_values(list(goals.columns)).index[:count]]
-
-
-def _counts(column: pd.Series, words: Iterable[str]) -> dict[str, int]:
-    """How often each of some words stands in a column, those that do, in their order."""
-    counts = column.value_counts()
-    return {str(word): int(counts[word]) for word in words if word in counts}
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:

@@ -43,7 +43,7 @@ class DesignDisplay:
 
     designs: Designs
 
-    @cached_property
+    @property
     def units(self) -> Display:
         """In which units all quantities are shown: those of the base case."""
         about, seal = self.designs.about, self.designs.about["seal"]
@@ -52,8 +52,8 @@ class DesignDisplay:
 
     @property
     def words(self) -> Any:
-        """What the page says, macro by macro."""
-        return study_words(self.units)
+        """Sentences and names of templates/study/words.j2."""
+        return environment(self.units).get_template("study/words.j2").module
 
     def title(self, name: str) -> str:
         """What a column is called: a parameter or a response in words, without its SI unit; a formula by its name.
@@ -285,11 +285,6 @@ class DesignDisplay:
 
 # Parts of a path that say nothing more to a reader.
 _UNSAID = ("material", "spectrum", "load", "roughness", "interface", "leak", "mesh")
-
-
-def study_words(units: Display) -> Any:
-    """Sentences and names of templates/study/words.j2."""
-    return environment(units).get_template("study/words.j2").module
 
 
 def short_number(value: float | None, digits: int = 4) -> str:
