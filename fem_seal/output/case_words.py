@@ -11,9 +11,8 @@ from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
-from fem_seal.output.prose import phrase, prose, worded_rows
+from fem_seal.output.prose import prose, worded_rows
 from fem_seal.units import (
-    LeakVolume,
     attributes,
     format_quantity,
     format_value,
@@ -36,11 +35,6 @@ if TYPE_CHECKING:
 BODIES = ("closure", "seat")
 # Lengths that are no dimensions of the body.
 _NOT_A_DIMENSION = ("interference", "tolerance")
-
-
-def state_in_words(volume: LeakVolume) -> str:
-    """State of the gas for its volumes; empty for a liquid."""
-    return phrase("interval.volume", "at", state=volume.state) if volume.state else ""
 
 
 def law_word(case: Case) -> str:
