@@ -28,7 +28,7 @@ from fem_seal.answers.solution import SealSolution, answered
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
+from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS, shown_in_full
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
@@ -120,20 +120,9 @@ def solve(
     seal = _solved(case, clock, steps, told=progress is not None)
     solver = LoadSolver(seal.problem, seal.model)
     request = Request(solver, clock, sensitivities, verdict_force, full, steps, solve=solve)
-    return _answered(seal, request, _shown_answers(seal, full) if answers is None else answers)
-
-
-def _shown_answers(seal: SolvedSeal, full: bool) -> Sequence[Answer[Any]]:
-    """All answers but those that only the full report shows, unless that is asked for.
-
-    The other theory may change a verdict, and beside the paper's theory the corrected one has its column.
-    """
-    surface = seal.problem.surface
-    by_paper = surface is not None and surface.theory == "paper"
-    left_out = set() if full else {INTERFACE_VARIANTS.name}
-    if not (full or by_paper or seal.case.requirement is not None):
-        left_out.add(OWN_CONTACTS.name)
-    return [answer for answer in ANSWERS if answer.name not in left_out]
+    others = () if full else shown_in_full(seal)
+    asked = [answer for answer in ANSWERS if answer.name not in others]
+    return _answered(seal, request, asked if answers is None else answers)
 
 
 # What is asked of given contacts: all that needs no bodies.

@@ -162,3 +162,19 @@ INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     clock="variants",
     of_part=True,
 )
+
+
+def shown_in_full(seal: SolvedSeal) -> tuple[str, ...]:
+    """Names of the answers here that only the full report shows.
+
+    The other theory may change a verdict, and beside the paper's theory the corrected one has its column.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+    """
+    surface = seal.problem.surface
+    by_paper = surface is not None and surface.theory == "paper"
+    if by_paper or seal.case.requirement is not None:
+        return (INTERFACE_VARIANTS.name,)
+    return INTERFACE_VARIANTS.name, OWN_CONTACTS.name

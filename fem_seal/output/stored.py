@@ -48,8 +48,8 @@ _KNOWN = {
     ("fem_seal.answers.chain", "no_table"),
     ("fem_seal.seal.leak_model", "FlowModel.table_around"),
 }
-# Bound to their objects, which pickle asks `getattr` for.
-_METHODS = {("Source", "table"), ("RoughContact", "log_equivalent_pressure")}
+# Classes whose methods are stored, for which pickle asks `getattr`: they calculate, and write nothing.
+_CALCULATING = {"Source", "RoughContact"}
 
 
 class _Slim(pickle.Pickler):
@@ -92,7 +92,8 @@ class _Known(pickle.Unpickler):
 
 
 def _method(owner: object, name: str) -> object:
-    if (type(owner).__name__, name) in _METHODS and type(owner).__module__.split(".")[0] in _OWN:
+    own = type(owner).__module__.split(".")[0] in _OWN
+    if own and type(owner).__name__ in _CALCULATING and not name.startswith("_"):
         return getattr(owner, name)
     raise pickle.UnpicklingError(f"{type(owner).__name__}.{name}")
 

@@ -12,7 +12,7 @@ from fem_seal.answers.case_load import rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.case.roughness import uncertain_heights
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.answers.variants import is_by_paper
+from fem_seal.output.answers.variants import has_one_number
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive
@@ -53,7 +53,7 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
     if load.sampled is not None and not outside:
         middle = leak_range_text(usual_rate_of(load), min(load.leak_digits, 2), volume=volume)
         text = told_after_test(load, volume) if load.tested else text
-    elif is_by_paper(load) and (ends := separate_ends(load)) is not None:
+    elif has_one_number(load) and (ends := separate_ends(load)) is not None:
         digits = min(load.leak_digits, 2)
         text, middle = (leak_range_text(end, digits, beside=ends, volume=volume) for end in ends)
         kind = "bound"
@@ -342,7 +342,7 @@ def _as_given(case: Case, load: CaseLoad) -> str:
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
     load = decisive(result)
-    line = "" if is_by_paper(load) else sure(result.case, load)
+    line = "" if has_one_number(load) else sure(result.case, load)
     return AnswerPage(
         first=[line] if line else (),
         tiles=[*_tiles(result, display, load)],

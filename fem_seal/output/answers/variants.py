@@ -42,8 +42,8 @@ def _remark_on_inputs(load: CaseLoad) -> str:
     return "" if load.sampled is None else " with the inputs as stated"
 
 
-def is_by_paper(load: CaseLoad) -> bool:
-    """Whether the leak rate is told as the paper's number and not as its interval.
+def has_one_number(load: CaseLoad) -> bool:
+    """Whether a leak rate is told as one number, which is the paper's, and not as its interval.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def is_by_paper(load: CaseLoad) -> bool:
     return told and "paper" in load.names and load.sampled is None
 
 
-def theory_in_brief(result: SealSolution) -> Iterator[str]:
+def beside_in_brief(result: SealSolution) -> Iterator[str]:
     """What the leak rate by the paper's theory means, and that of the default theory; nothing by that one.
 
     Parameters
@@ -62,7 +62,7 @@ def theory_in_brief(result: SealSolution) -> Iterator[str]:
     result : SealSolution
     """
     case, load = result.case, result.highest
-    if not is_by_paper(load) or load.leak is None:
+    if not has_one_number(load) or load.leak is None:
         return
     volume = volume_of(case)
     elastic, upper = load.scenario("elastic"), load.leak_range

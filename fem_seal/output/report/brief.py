@@ -17,7 +17,7 @@ from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.sensitivities import change_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.answers.variants import is_by_paper, supported_by, theory_in_brief
+from fem_seal.output.answers.variants import beside_in_brief, has_one_number, supported_by
 from fem_seal.output.columns import (
     MOST_COLUMNS,
     SHOWN_COLUMNS,
@@ -87,7 +87,7 @@ def lines_in_brief(result: SealSolution, pages: Sequence[AnswerPage]) -> list[st
         Of all answers.
     """
     asked, support = (line for page in pages for line in page.first), supported_by(result)
-    lines = (first_line(result), *theory_in_brief(result), *asked, second_line(result), *support)
+    lines = (first_line(result), *beside_in_brief(result), *asked, second_line(result), *support)
     return list(filter(None, lines))
 
 
@@ -121,16 +121,16 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
         return phrase("brief.first", "none", load=at)
     if found.outside:
         return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
-    by_paper = is_by_paper(load)
+    one_number = has_one_number(load)
     told_rate, digits = (
-        (load.leak.leak_rate, min(load.leak_digits, 2)) if by_paper else (rate_of(load), load.leak_digits)
+        (load.leak.leak_rate, min(load.leak_digits, 2)) if one_number else (rate_of(load), load.leak_digits)
     )
     rate = leak_range_text(told_rate, digits, volume=volume)
     classes = leakage_classes(case, load)
     met = ", ".join(str(one) for one in classes if one.name)
     ends = load.leak_interval or (load.leak.leak_rate,)
     sealed = not volume.measurable(max(ends))
-    key = "tested" if load.tested else "tight" if sealed else "leaks_by_paper" if by_paper else "leaks"
+    key = "tested" if load.tested else "tight" if sealed else "leaks_published" if one_number else "leaks"
     told = phrase(
         "brief.first",
         key,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from sample_results import case, run_loads, smooth_result
 
-from fem_seal.output.answers.variants import supported_by, theory_in_brief
+from fem_seal.output.answers.variants import beside_in_brief, supported_by
 from fem_seal.output.report.brief import lines_in_brief
 from fem_seal.output.shown_answers import pages_of
 
@@ -16,14 +16,14 @@ def test_the_papers_theory_gives_one_number_and_the_default_beside_it():
     rate = result.case.display.leak_range(result.highest.leak.leak_rate, 2)
     assert first.startswith(f"Leaks {rate} by the theory of Fischer et al. 2020 at 20 bar")
     corrected = result.highest.scenario("corrected").leak_interval
-    (default,) = [line for line in theory_in_brief(result) if "default theory" in line]
+    (default,) = [line for line in beside_in_brief(result) if "default theory" in line]
     assert result.case.display.leak_range(corrected, 2) in default
     assert supported_by(result)[0].startswith("Supported by: measured, one seat")
 
 
 def test_the_default_theory_is_not_compared():
     result = run_loads(case(load={"fluid_pressure": "20 bar"}, leak={"theory": "corrected"}))
-    assert [*theory_in_brief(result)] == []
+    assert [*beside_in_brief(result)] == []
     assert supported_by(result)[0].startswith("Supported by: simulation")
 
 
@@ -34,4 +34,4 @@ def test_every_line_is_a_short_sentence(theory):
 
 
 def test_without_a_leak_rate_nothing_is_supported():
-    assert supported_by(smooth_result()) == [*theory_in_brief(smooth_result())] == []
+    assert supported_by(smooth_result()) == [*beside_in_brief(smooth_result())] == []
