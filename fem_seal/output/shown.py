@@ -146,8 +146,6 @@ class Shown:
         What stands under these keys where it is asked for nothing; a key that is not here is left out then.
     tables : mapping
         Names of CSV files, and functions for their headings and rows.
-    words : mapping
-        Names in the template of the report and functions for their values, None where it is asked for nothing.
     pictures : callable
         Its pictures, as far as the result has them.
     page : callable
@@ -158,7 +156,6 @@ class Shown:
     summary: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
     absent: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, Callable[[SealSolution], CsvTable]] = field(default_factory=dict)
-    words: Mapping[str, Callable[[SealSolution], Any]] = field(default_factory=dict)
     pictures: Callable[[SealSolution], Iterable[Picture | None]] = lambda result: ()
     page: Callable[[SealSolution, Display], AnswerPage] = lambda result, display: AnswerPage()
 
@@ -169,11 +166,6 @@ class Shown:
     def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
         """Keys of summary.json with their values, or what stands there without an answer."""
         return self.summary(result) if self.asked(result) else self.absent
-
-    def words_of(self, result: SealSolution) -> dict[str, Any]:
-        """Values for the template of the report by name."""
-        has = self.asked(result)
-        return {name: value(result) if has else None for name, value in self.words.items()}
 
 
 # Field of a dataclass with the values of scenarios beside -> name of the value in the file.

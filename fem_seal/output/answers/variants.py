@@ -215,6 +215,5 @@ SHOWN = Shown(
         "theories": list(_sentences(result, result.case.display)) or None,
         "interface_variants": [by_scenario(asdict(variant)) for variant in result.interface_variants] or None,
     },
-    words={"variants": variant_table},
     page=_page,
 )

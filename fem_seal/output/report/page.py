@@ -21,7 +21,7 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone
 from fem_seal.files import write_text
 from fem_seal.output import case_words, shown_answers
-from fem_seal.output.answers import verdict
+from fem_seal.output.answers import variants, verdict
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
 from fem_seal.output.pictures.contact import (
@@ -304,7 +304,7 @@ def _of_full(result: SealSolution, derived: Derived) -> dict[str, Any]:
         "comparison_note": comparison_note(result),
         "comparison": comparison_table(result, profile_sizes(result, derived)),
         "yielding": yielding_table(result),
-        **{name: value for shown in shown_answers.SHOWN for name, value in shown.words_of(result).items()},
+        "variants": variants.variant_table(result),
     }
 
 
