@@ -10,14 +10,14 @@ import math
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib.util import cache_from_source
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.units import Display, keep_units_together
+from fem_seal.units import Display, current_display, keep_units_together
 
 if TYPE_CHECKING:
     from jinja2 import BytecodeCache, Environment, Template
@@ -178,3 +178,39 @@ def name_of_load(display: Display, load: LoadName) -> str:
     name = display.quantity(pressure, "given fluid pressure")
     name += "" if force is None else f" with {display.quantity(force, 'given force')}"
     return name if number is None else f"{name} (load {number})"
+
+
+def template(name: str) -> Template:
+    """A page, in which inserted values are escaped, in the units of the present display.
+
+    Parameters
+    ----------
+    name : str
+        File in templates/.
+    """
+    return environment(current_display(), escaped=True).get_template(name)
+
+
+def phrase(where: str, *parts: str, **values: object) -> str:
+    """Sentences of one table, joined.
+
+    Parameters
+    ----------
+    where : str
+        File in templates/answers/ and what the names of its macros begin with, such as "captions.mesh".
+    *parts : str
+        The sentences, in their order; empty ones are skipped.
+    **values
+        Values of the {names} in them.
+    """
+    kind, name = where.split(".")
+    words = environment(current_display()).get_template(f"answers/{kind}.j2").module
+    macros = [getattr(words, re.sub(r"\W", "_", f"{name}_{part}")) for part in parts if part]
+    return " ".join(
+        macro(**{one: values[one] for one in macro.arguments if one in values}) for macro in macros
+    )
+
+
+def filled(text: str, values: Mapping[str, object]) -> str:
+    """A text of words.toml with its values."""
+    return fill(current_display(), text, **values)

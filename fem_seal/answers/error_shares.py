@@ -86,6 +86,11 @@ class ErrorShares:
     by_profiles: AfterProfiles | None = None
     measurements: Sequence[Measurement] = ()
 
+    @property
+    def is_telling(self) -> bool:
+        """Whether there is more to say than that one source makes the interval."""
+        return len(self.of_width) > 1 or bool(self.measurements) or self.by_profiles is not None
+
 
 _TOGETHER, _BY_TEST = "inputs together", "left by test"
 # Of the range of a finish.

@@ -107,7 +107,7 @@ def _show(leaks: LeakMap) -> None:
 
 def _omission_notes(leaks: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
-    from fem_seal.output.prose import phrase
+    from fem_seal.wording import phrase
 
     gaps = sum(validity is None for row in leaks.validity for validity in row)
     if not gaps:

@@ -19,10 +19,10 @@ from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.answers.verdict import verdict_numbers, verdict_sentences
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels, style
-from fem_seal.output.prose import phrase, template
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.units import format_quantity, leak_range_text, number, percent, quantity, unit_for
 from fem_seal.version import __version__
+from fem_seal.wording import phrase, template
 
 POSTERIOR, CASE = "posterior.csv", "calibrated.toml"
 PREDICTION_COLUMNS = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
-from fem_seal.output.prose import prose, worded_rows
+from fem_seal.files import own_tables
 from fem_seal.units import (
     attributes,
     format_quantity,
@@ -21,6 +21,7 @@ from fem_seal.units import (
     trim_zeros,
     unit_for,
 )
+from fem_seal.wording import filled
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -240,7 +241,7 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
 def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
     finish, face = table.finish, table.surface()
     spreads, height = finish.spreads, finish.spreads.get("rms_height")
-    lays = prose()["lays"]
+    lays = own_tables("words.toml")["lays"]
     lay = lays["none"]
     if "lay" in spreads:
         lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)}{_known(spreads, 'lay')} times longer along it"
@@ -300,7 +301,7 @@ def temperature_rows(
         )
     yield "dimensions hold at", in_degrees(case.temperature.reference)
     for name, face in case.temperature.faces.items():
-        film, place = face.heat_transfer, prose()["heated_faces"][name]
+        film, place = face.heat_transfer, own_tables("words.toml")["heated_faces"][name]
         with_film = "" if film is None else f", {trim_zeros(film)} W/(m² K)"
         yield f"{place}, {'face' if film is None else 'fluid'}", in_degrees(face.temperature) + with_film
         if field is not None:
@@ -386,3 +387,19 @@ def requirement_numbers(case: Case) -> list[dict[str, Any]] | None:
         if required.judges(pressure)
         for limit in limits(case, pressure)
     ]
+
+
+def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
+    """Names and texts of a table of words.toml under "rows", in its order.
+
+    Parameters
+    ----------
+    name : str
+        Of the table.
+    without : collection of str
+        Names that are left out.
+    **values
+        Values of the {names} in both.
+    """
+    rows = own_tables("words.toml")["rows"][name]
+    return [(filled(key, values), filled(text, values)) for key, text in rows.items() if key not in without]

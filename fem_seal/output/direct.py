@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.prose import phrase, prose
+from fem_seal.output.shown import prose
 from fem_seal.output.tables import write_rows
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.units import attributes, fixed_unit, number
+from fem_seal.wording import phrase
 from leak import Reading
 from leak.theory.plasticity import READINGS
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import write_text
-from fem_seal.output.prose import phrase
 from fem_seal.output.tables import write_rows
 from fem_seal.version import __version__
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from fem_seal.answers.leak_map import LeakMap

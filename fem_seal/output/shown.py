@@ -6,10 +6,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.files import own_tables
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import filled, prose
 from fem_seal.seal.findings import Level
 from fem_seal.seal.scenarios import BESIDE
+from fem_seal.wording import filled
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -17,6 +18,11 @@ if TYPE_CHECKING:
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
     from fem_seal.units import Display
+
+
+def prose() -> dict[str, Any]:
+    """The whole file: "definitions", "tables", "sources" and the other groups."""
+    return own_tables("words.toml")
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.output.prose import phrase, prose
+from fem_seal.output.shown import prose
 from fem_seal.output.tables import standards_used
 from fem_seal.version import __version__
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution

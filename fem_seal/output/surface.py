@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.prose import phrase, worded_rows
+from fem_seal.output.case_words import worded_rows
 from fem_seal.units import attributes, format_quantity, number, percent, quantity
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from leak import MeasuredSurface, RoughnessParameters

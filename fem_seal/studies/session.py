@@ -16,7 +16,6 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import folder_lock
-from fem_seal.output.prose import phrase
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import Pool, open_pool
 from fem_seal.studies.progress import Progress
@@ -27,6 +26,7 @@ from fem_seal.studies.work import DesignSpec, check_unchanged, chunks
 from fem_seal.studies.worker_pool import RESUME_HINT, Workers
 from fem_seal.units import duration
 from fem_seal.version import __version__
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from dask.distributed import Client

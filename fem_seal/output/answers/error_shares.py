@@ -10,10 +10,10 @@ from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import filled, phrase, prose
-from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section, worded_table
+from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, prose, worded_section, worded_table
 from fem_seal.seal.load_result import highest_load, load_name
 from fem_seal.units import format_digits, percent
+from fem_seal.wording import filled, phrase
 
 # Sources of error are named from this factor of the interval on; their largest number, and smallest share.
 _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
@@ -165,5 +165,7 @@ SHOWN = Shown(
     lambda result: result.error_shares,
     summary=lambda result: {"error_shares": [asdict(one) for one in result.error_shares]},
     absent={"error_shares": []},
-    page=lambda result, display: _page(result),
+    page=lambda result, display: (
+        _page(result) if any(shares.is_telling for shares in result.error_shares) else AnswerPage()
+    ),
 )

@@ -14,7 +14,6 @@ from fem_seal.case.roughness import uncertain_heights
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.variants import has_one_number
 from fem_seal.output.columns import COLUMNS
-from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_values
@@ -30,7 +29,7 @@ from fem_seal.units import (
     unit_for,
 )
 from fem_seal.validity.checks import FLUID_OPENS
-from fem_seal.wording import say
+from fem_seal.wording import phrase, say
 from leak import CoupledLeakResult, LeakageClass, LeakResult, drops_per_minute
 
 if TYPE_CHECKING:

@@ -13,11 +13,10 @@ from fem_seal.case.case import Case
 from fem_seal.case.material_table import UNNAMED
 from fem_seal.case.notation import partner
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, decisive, worded_section, worded_table
 from fem_seal.seal.load_result import load_name
 from fem_seal.units import format_digits, range_text, trim_zeros, unit_for
-from fem_seal.wording import say_all
+from fem_seal.wording import phrase, say_all
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad

@@ -12,10 +12,10 @@ from fem_seal.output.answers.verdict import verdict_words
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
-from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, worded_section, worded_table
 from fem_seal.output.tables import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from fem_seal.units import LIQUID, leak_range_text, unit_for
+from fem_seal.wording import phrase
 from leak.standards import STANDARDS
 
 if TYPE_CHECKING:

@@ -165,4 +165,9 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     )
 
 
-SHOWN = Shown(page=_page)
+SHOWN = Shown(
+    lambda result: (
+        result.case.load.target_leak_rate is not None or any(load.blow_off_pressure for load in result.loads)
+    ),
+    page=_page,
+)

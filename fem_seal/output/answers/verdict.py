@@ -20,11 +20,11 @@ from fem_seal.answers.judgement import (
 )
 from fem_seal.case.fields import Bubbles, NormalVolume
 from fem_seal.materials import ROOM_TEMPERATURE
-from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
+from fem_seal.wording import phrase
 from leak import millilitres_per_minute
 
 if TYPE_CHECKING:

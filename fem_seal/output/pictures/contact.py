@@ -15,9 +15,9 @@ from fem_seal.output.columns import in_words
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
-from fem_seal.output.prose import phrase
 from fem_seal.seal.load_result import LoadAxis, different, load_axis, load_name
 from fem_seal.units import Unit, fixed_unit, format_quantity, quantity, unit_for
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,10 +24,10 @@ from fem_seal.output.pictures.style import (
     scale_over_loads,
     svg,
 )
-from fem_seal.output.prose import phrase
 from fem_seal.seal.load_result import load_axis, load_name
 from fem_seal.seal.scenarios import FIRST_LOADING, SCENARIOS
 from fem_seal.units import format_digits, percent, shared_flow_unit
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

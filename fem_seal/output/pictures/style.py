@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 from fem_seal.errors import printable
 from fem_seal.files import own_tables
 from fem_seal.output.pictures.colours import BLUE
-from fem_seal.output.prose import phrase
 from fem_seal.units import superscript
+from fem_seal.wording import phrase
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -28,12 +28,11 @@ from fem_seal.output.columns import (
     in_words,
 )
 from fem_seal.output.pictures.style import few
-from fem_seal.output.prose import phrase
 from fem_seal.output.shown import AnswerPage, decisive
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
 from fem_seal.units import leak_range_text, shared_flow_unit
-from fem_seal.wording import join_names
+from fem_seal.wording import join_names, phrase
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -198,14 +197,20 @@ def _use_in_words(result: SealSolution, load: CaseLoad) -> str:
 
 _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
     "profile": lambda result, load: verdict.would_pass(result),
-    "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
-    "helps": change_in_brief,
+    "measure": lambda result, load: (
+        measurement_in_brief(result, result.loads.index(load))
+        if any(shares.is_telling for shares in result.error_shares)
+        else ""
+    ),
+    "helps": lambda result, load: change_in_brief(result, load) if result.sensitivities else "",
     "force": _force,
     "curve": _curve,
     "stop": _stop,
     "strength": _strength,
     "class": lambda result, load: verdict.next_class_in_words(result.case, load),
-    "share": _share,
+    "share": lambda result, load: (
+        _share(result, load) if any(shares.is_telling for shares in result.error_shares) else ""
+    ),
     "used": _use_in_words,
     "none": lambda result, load: phrase("brief.second", "contact" if load.leak is None else "none"),
     "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),

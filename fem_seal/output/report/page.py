@@ -37,15 +37,15 @@ from fem_seal.output.pictures.leak import leak_picture, memory_picture
 from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
-from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import brief
-from fem_seal.output.shown import decisive, worded_table
+from fem_seal.output.shown import decisive, prose, worded_table
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
 from fem_seal.seal.load_result import MissingLoad, in_order, load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.units import format_quantity, keep_units_together, percent, quantity_worth, strain_text
 from fem_seal.version import __version__
+from fem_seal.wording import phrase, template
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -86,6 +86,7 @@ def report(result: SealSolution, *, full: bool = False) -> str:
     return template("report/page.html.j2").render(
         title=result.case.title or "fem-seal",
         in_css=_escape_for_css,
+        load_name=load_name,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         picture={picture.name: _keep_units_whole(picture) for picture in drawn},

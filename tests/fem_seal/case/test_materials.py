@@ -442,7 +442,7 @@ def test_a_polymer_is_doubtful_in_run_and_report_and_a_metal_is_not():
     assert validity.level is Level.DOUBTFUL
     assert "seat: PEEK creeps" in validity.reasons
     assert any("creeps. Its contact grows with time" in warning for warning in result.warnings)
-    from fem_seal.output.prose import template
+    from fem_seal.wording import template
 
     rows = template("report/case.html.j2").module.material_rows
     assert '<th scope="row">creep</th><td>creeps' in rows(result.case.seat.material)

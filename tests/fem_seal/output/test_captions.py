@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from fem_seal.output.prose import template
+from fem_seal.wording import template
 
 
 def test_no_sentence_of_a_caption_has_more_than_25_words():

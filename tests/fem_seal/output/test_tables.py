@@ -19,7 +19,7 @@ from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.files import summary, write_summary
-from fem_seal.output.prose import phrase, prose
+from fem_seal.output.shown import prose
 from fem_seal.output.sources import features_used
 from fem_seal.output.tables import (
     PROFILE_COLUMNS,
@@ -29,6 +29,7 @@ from fem_seal.output.tables import (
     write_profile_csv,
 )
 from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trim_zeros
+from fem_seal.wording import phrase
 
 # of a case by the paper's theory with a hardness and a liquid
 LEAK_HEADER = (

@@ -12,7 +12,7 @@ from fem_seal.case.case import load_case, write_case
 from fem_seal.cli.app import main
 from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
-from fem_seal.output.prose import prose
+from fem_seal.output.shown import prose
 from fem_seal.seal.findings import caution
 from fem_seal.units import Display, shared_flow_unit, shown_in
 
