@@ -48,8 +48,8 @@ class FlatLand:
     --------
     >>> import meshes
     >>> land = meshes.FlatLand.on(0.025, 0.029, meshes.Disc.of(0.03))
-    >>> print(f"flat from {land.flat[0] * 1e3:.1f} mm to {land.flat[1] * 1e3:.1f} mm")
-    flat from 25.2 mm to 28.8 mm
+    >>> land.land_inner_radius, land.land_outer_radius
+    (0.025, 0.029)
     """
 
     land_inner_radius: float

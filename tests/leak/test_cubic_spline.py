@@ -41,7 +41,7 @@ def test_of_two_variables():
     at = rng.uniform(x[0], x[-1], 200), rng.uniform(y[0], y[-1], 200)
     assert ours.at(at[0])(at[1]) == pytest.approx(theirs.ev(*at), rel=1e-9, abs=1e-9)
     grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
-    assert ours.along(grid_x)(grid_y) == pytest.approx(z, abs=1e-10)
+    assert ours.at(grid_x)(grid_y) == pytest.approx(z, abs=1e-10)
     assert cubic_spline_slopes(x, z)[:, 3] == pytest.approx(cubic_spline_slopes(x, z[:, 3]), rel=1e-12)
 
 

@@ -37,7 +37,7 @@ def test_examples_in_the_groups_of_the_gallery_exist():
 
 
 def test_a_kept_result_is_solved_again_after_a_change_of_the_program(tmp_path, monkeypatch):
-    monkeypatch.setattr(gallery, "KEPT", tmp_path)
+    monkeypatch.setattr(gallery, "RESULTS", tmp_path)
     example = gallery.cases()[0]
     assert not gallery.is_kept(example)
     gallery.folder_of(example).mkdir(parents=True)

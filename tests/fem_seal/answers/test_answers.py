@@ -14,7 +14,7 @@ from fem_seal.answers.answer import Answer
 from fem_seal.output import shown_answers
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.style import Picture, panels, svg
-from fem_seal.output.shown import Section, Shown
+from fem_seal.output.shown import AnswerPage, Section, Shown
 from fem_seal.units import percent
 
 # ---------------------------------------------------------------- as in fem_seal/answers/
@@ -80,9 +80,11 @@ SHOWN = Shown(
     lambda result: result.answers.get("indentation"),
     summary=lambda result: {"indentation": _rows(result)},
     tables={"indentation.csv": lambda result: (("fluid_pressure_Pa", "share_of_hardness"), _rows(result))},
-    section=_section,
     pictures=lambda result: [_picture(result)],
-    lines=lambda result: [f"hardness: {percent(share)}" for _, share in _rows(result)],
+    page=lambda result, display: AnswerPage(
+        section=_section(result),
+        details=[f"hardness: {percent(share)}" for _, share in _rows(result)],
+    ),
 )
 
 
@@ -98,7 +100,7 @@ def test_an_added_answer_is_in_the_result_and_in_all_its_files(tmp_path):
     shares = [load.peak_pressure / 3.5e9 for load in result.loads]
     assert [one.share for one in result.answers["indentation"]] == pytest.approx(shares, rel=1e-12)
     assert result.timings["indentation"] >= 0.0
-    result.write(tmp_path)
+    result.write(tmp_path, full=True)
     told = json.loads((tmp_path / "summary.json").read_text())["indentation"]
     assert told == [[2e5, pytest.approx(shares[0])], [20e5, pytest.approx(shares[1])]]
     with (tmp_path / "indentation.csv").open() as file:

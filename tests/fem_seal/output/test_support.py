@@ -18,7 +18,7 @@ def test_the_papers_theory_gives_one_number_and_the_default_beside_it():
     corrected = result.highest.scenario("corrected").leak_interval
     (default,) = [line for line in beside_in_brief(result) if "default theory" in line]
     assert result.case.display.leak_range(corrected, 2) in default
-    assert supported_by(result)[0].startswith("Supported by: measured, one seat")
+    assert supported_by(result)[0].startswith("Supported by: measured, one seal")
 
 
 def test_the_default_theory_is_not_compared():

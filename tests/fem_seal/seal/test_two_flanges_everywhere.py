@@ -74,7 +74,7 @@ def test_what_is_told_per_length_or_size_is_the_same_upside_down() -> None:
     for one in (UNLIKE, SWAPPED):
         (load,) = seal_of(one).loads
         assert seal_length(one) == pytest.approx(mean, rel=1e-9)
-        per_length = COLUMNS["leak_rate_per_length_m2_per_s"].of(load)
+        per_length = COLUMNS["leak_rate_per_length_m2_per_s"].value(load)
         assert load.leak is not None
         assert per_length == pytest.approx(load.leak.leak_rate / mean, rel=1e-9)
         assert nominal_size(one).diameter == pytest.approx(34e-3, rel=1e-12)

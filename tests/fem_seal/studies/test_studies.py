@@ -532,7 +532,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     (edge, *_), (_, end) = contact.breaks.tolist(), contact.reach
     spots = ((edge, 1.1e-6), (end, 7.3e-6), (1.23e-5, 2.9e-6), (end - 1e-8, 3e-6))
     sizing = Sizing(4e-5, 1e-4, (0.9 * contact.reach[0], end), 0.1, 0.2, 1e-3, spots)
-    rounded = sources.round_sizing(sizing, contact)
+    rounded = sources.rounded(sizing, contact)
     (at_edge, fine), (near, size), (beside_end, _), (at_end, _) = sorted(rounded.spots)
     assert (at_edge, at_end) == (edge, end)
     assert 2**-0.25 * 1.1e-6 < fine <= 1.1e-6
@@ -541,7 +541,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     assert beside_end <= end
     # a neighbour's
     moved = replace(sizing, spots=((edge, 1.12e-6), (end, 7.2e-6), (1.25e-5, 2.92e-6), (end - 1e-8, 2.95e-6)))
-    assert sources.round_sizing(moved, contact) == rounded
+    assert sources.rounded(moved, contact) == rounded
 
 
 @pytest.mark.slow
