@@ -109,7 +109,7 @@ def test_an_added_answer_is_in_the_result_and_in_all_its_files(tmp_path):
     page = (tmp_path / "report.html").read_text().replace("\xa0", " ")
     assert '<a href="#indentation">Indentation</a>' in page and 'id="picture-indentation"' in page
     assert f"<li>Up to {percent(shares[1])} of the hardness is used.</li>" in page
-    assert f"<td>{percent(shares[0])}</td>" in page and "indentation.csv, summary.json" in page
+    assert f"<td>{percent(shares[0])}</td>" in page and "Files: indentation.csv." in page
 
 
 @pytest.mark.usefixtures("_added", "unrendered")
