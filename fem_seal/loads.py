@@ -3,29 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from typing import Literal
 
 PressureSide = Literal["outer", "inner"]
 Closing = Literal["sealed-area", "penetration"]
-
-
-class LoadName(NamedTuple):
-    """What tells a load from the others.
-
-    Parameters
-    ----------
-    fluid_pressure : float
-        [Pa]
-    applied_force : float, optional
-        Where more forces act at this pressure [N].
-    number : int, optional
-        Counted from one, where a path comes back to the same load.
-    """
-
-    fluid_pressure: float
-    applied_force: float | None = None
-    number: int | None = None
-
 
 # Share of spring and fluid force that a contact near blow-off is taken to carry before it is solved.
 _LEAST_CARRIED = 1e-3

@@ -22,8 +22,6 @@ from fem_seal.units import Display, current_display, keep_units_together
 if TYPE_CHECKING:
     from jinja2 import BytecodeCache, Environment, Template
 
-    from fem_seal.loads import LoadName
-
 
 @cache
 def environment(display: Display, *, escaped: bool = False) -> Environment:
@@ -54,7 +52,6 @@ def environment(display: Display, *, escaped: bool = False) -> Environment:
         "quantity": display.quantity,
         "unbroken": keep_units_together,
         "few": join_names,
-        "name_of_load": lambda load: name_of_load(display, load),
     }
     made.globals |= {"math": math, "display": display}
     return made
@@ -158,26 +155,6 @@ def join_names(names: Sequence[str], most: int = 3) -> str:
     if len(names) <= most:
         return ", ".join(names)
     return f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"
-
-
-def name_of_load(display: Display, load: LoadName) -> str:
-    """A load by what tells it from the others.
-
-    Parameters
-    ----------
-    display : Display
-    load : LoadName
-
-    Examples
-    --------
-    >>> from fem_seal.loads import LoadName
-    >>> name_of_load(Display(), LoadName(2e6)), name_of_load(Display(), LoadName(2e6, 400.0, 3))
-    ('20 bar', '20 bar with 400 N (load 3)')
-    """
-    pressure, force, number = load
-    name = display.quantity(pressure, "given fluid pressure")
-    name += "" if force is None else f" with {display.quantity(force, 'given force')}"
-    return name if number is None else f"{name} (load {number})"
 
 
 def template(name: str) -> Template:

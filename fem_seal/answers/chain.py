@@ -224,10 +224,10 @@ def _with_table(steps: OptionalSteps, name: str, model: LeakModel) -> LeakModel:
     with steps.attempt("flow conductivity" + (f" of {asperities}" if name else "")):
         _ = model.table
         return model
-    return replace(model, make=no_table)
+    return replace(model, make=_no_table)
 
 
-def no_table(flow: object, surface: object) -> None:
+def _no_table(flow: object, surface: object) -> None:
     """In place of a flow conductivity that could not be calculated."""
 
 

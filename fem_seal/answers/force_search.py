@@ -238,7 +238,7 @@ def search_forces(
     Raises
     ------
     ConvergenceError, MeshingError
-        See `fem_seal.contact.sizing.MeshFit.after`.
+        See `fem_seal.contact.sizing.MeshFit.with_outcome`.
     """
     loads, expected = problems[0].loads, [*starts.values()]
     if loads.unsolved_bolts is not None:

@@ -45,7 +45,7 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Opening, ...]:
 
     with request.clock.step("questions", "blow-off and force for the target leak rate"):
         # elastic bodies are the same after every load
-        different = {key(load): load for load in reversed(seal.loads)} if of.lifted else {}
+        different = {key(load): load for load in reversed(seal.loads)} if of.fluid_may_open else {}
         opens = {
             one: request.steps.compute(
                 f"pressure that opens the seal under {load.applied_force:.6g} N",

@@ -133,7 +133,7 @@ def mean_leak(one: LeakResult, other: LeakResult) -> LeakResult:
     ----------
     one, other : LeakResult
     """
-    rate = 0.5 * (one.leak_rate + other.leak_rate)
+    rate = mean_rate((one.leak_rate, other.leak_rate))
     if 0.0 < one.leak_rate < math.inf or rate == one.leak_rate:
         return one.scaled(rate)
     # one is sealed or the other open: where it flows is not scaled

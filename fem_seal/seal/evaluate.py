@@ -271,11 +271,8 @@ def evaluate_many(
 
 def _under_common_loads(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
     """Evaluations of one seal under the loads that all of them can carry."""
-    failures = [evaluation.solved.failures for evaluation in evaluations]
-    return tuple(
-        evaluation.without({n: error for other in failures for n, error in other.items()})
-        for evaluation in evaluations
-    )
+    failures = {n: error for each in evaluations for n, error in each.solved.failures.items()}
+    return tuple(evaluation.without(failures) for evaluation in evaluations)
 
 
 def _evaluated(

@@ -130,14 +130,14 @@ class Loads:
     along_path: bool = False
 
     @property
-    def lifted(self) -> bool:
+    def fluid_may_open(self) -> bool:
         """Whether a fluid pressure may open the seal: that in the bore, or one that acts on all that it wets."""
         return self.closing == "penetration" or self.pressure_side == "inner"
 
     @property
     def may_open(self) -> bool:
         """Whether fluid pressure or applied force may open the seal."""
-        return self.lifted or any(force < 0.0 for _, force in self.points)
+        return self.fluid_may_open or any(force < 0.0 for _, force in self.points)
 
     @classmethod
     def of(cls, case: CaseTables) -> Loads:

@@ -635,7 +635,7 @@ def test_a_class_is_claimed_for_the_fluid_of_its_test_whether_it_is_required_or_
     assert leakage_lines(oil, load, solved.loads)[-1].startswith(
         "  Classes are for a test with water, which leaks 46"
     )
-    assert "Classes are those" not in "".join(leakage_lines(water, load, solved.loads))
+    assert "Classes are for a test" not in "".join(leakage_lines(water, load, solved.loads))
 
 
 def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():

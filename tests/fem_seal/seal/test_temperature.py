@@ -550,7 +550,7 @@ def test_a_number_of_ones_own_without_a_temperature_is_a_remark() -> None:
     }
     ((level, text),) = said_of(hot(own, {**own, **told})).values()
     assert level is Level.VALID
-    assert ("closure.material: youngs_modulus and hardness of the case have no temperature") in text
+    assert "closure.material: youngs_modulus and hardness of the case have no temperature" in text
     assert not said_of(hot(own, own, temperature="30 degC"))
 
 
@@ -666,7 +666,6 @@ def test_results_show_the_temperature(tmp_path: Path) -> None:
     assert set(np.round(np.ravel(written), 6)) == {413.15, 293.15}
     report = (tmp_path / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")
     assert "140 °C" in report and "closure grows more than seat" in report
-    assert "(not used)" not in report
 
 
 def test_a_contact_that_heat_moves_to_the_end_of_its_face_is_doubtful() -> None:
