@@ -34,8 +34,9 @@ if TYPE_CHECKING:
 _LIVE_LOADS, _LIVE_LOADS_OF_GAS = 5, 3
 # Processor time of a load [s] and pressures of a case below which the curve gets more points, these over the highest.
 _FILLS, _FEW, _SHARES = 0.1, 3, (0.2, 0.4, 0.6, 0.8)
-# How much coarser the elements are than those of a run, chosen for its numbers to 4e-4.
-SOURCE = Shared(Rounding(along=1.41, deep=2.1, touching=1.41, edges=1.8), Kept(96))
+# Steps of the sizes in the logarithm to base 2, and how much coarser the elements are than those of a run, chosen for
+# its numbers to 4e-4.
+SOURCE = Shared(Rounding(0.5, 0.5, along=1.41, deep=2.1, touching=1.41, edges=2.0), Kept(96))
 
 
 def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
