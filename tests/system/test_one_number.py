@@ -152,7 +152,7 @@ def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
     assert dict(live.limits) == pytest.approx(dict(rests.limits), rel=1e-3)
     # shares of samples and of the yield stress in the bodies take a complete run
     later = ("Passes", "Of the yield stress")
-    assert live.facts == (() if live.widens else tuple(one for one in rests.facts if one[0] not in later))
+    assert live.tiles == (() if live.widens else tuple(one for one in rests.tiles if one.name not in later))
     if example == "test of the standard":
         # which come with the complete answer: until then nothing is claimed
         assert live.remarks[0].startswith("Of the service loads only") and live.verdict != "pass"

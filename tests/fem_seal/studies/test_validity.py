@@ -161,7 +161,7 @@ def test_the_page_says_why_designs_are_doubtful(tmp_path):
     result = run_study(springs(changes=changes), folder=tmp_path, workers=0)
     assert set(result.table["validity"]) == {"doubtful"}
     page = result.report(tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "2 designs are doubtful (design 0: " in page
+    assert "2 designs are doubtful; the first is design 0: " in page
     first = result.table["validity_reasons"][0].split("; ")[0].rstrip(".")
     assert escape(first, quote=False)[:40] in page
 
