@@ -233,7 +233,8 @@ def _html(figure: Figure) -> Any:
 def _table_of_designs(display: DesignDisplay, *, folded: bool) -> StudySection:
     """The designs that pass and the best ones first."""
     designs, words = display.designs, display.words
-    numbers = designs.order[:_MOST_ROWS]
+    order = designs.order
+    numbers = order[:_MOST_ROWS]
     columns = display.describe(numbers)
     rows = designs.successes.loc[numbers].index
     ranks = {"verdict": [*Verdict], "validity": [*Level]}
@@ -243,7 +244,7 @@ def _table_of_designs(display: DesignDisplay, *, folded: bool) -> StudySection:
             [ranks[name].index(word) if word in ranks[name] else len(ranks[name]) for word in columns[name]]
         )
     titles = list(map(display.title, designs.about["goals"]))
-    note = words.best(designs, titles, edge_sentence(display)) + words.rows(len(designs.order), len(numbers))
+    note = words.best(designs, titles, edge_sentence(display)) + words.rows(len(order), len(numbers))
     return StudySection(
         "Best designs" if designs.about["goals"] else "Designs",
         note.strip(),

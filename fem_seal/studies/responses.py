@@ -190,11 +190,8 @@ def _check_validity(
     load = load.with_values(validity=_calculate_or_default(judge, NOT_JUDGED))
     has_interval = True
     if with_samples:
-        request, seal = (
-            Request(evaluations[0].solver, SILENT),
-            SolvedSeal.of(evaluations, case, loads_of(evaluations)).with_loads([load]),
-        )
-        (load,) = answered(seal, request, [UNCERTAINTY]).loads
+        request = Request(evaluations[0].solver, SILENT)
+        (load,) = answered(SolvedSeal.of(evaluations, case, [load]), request, [UNCERTAINTY]).loads
         has_interval = UNCERTAINTY.of(request.answers) is not None
         if not has_interval:
             judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluations)
@@ -207,9 +204,7 @@ def _check_validity(
     chance: PassProbability | None = None
     if with_chance:
         try:
-            (chance,) = pass_probabilities(
-                SolvedSeal.of(evaluations, case, loads_of(evaluations)).with_loads([load])
-            )
+            (chance,) = pass_probabilities(SolvedSeal.of(evaluations, case, [load]))
         except _FAILURES as error:
             if PASS_COLUMNS.issuperset(columns):
                 raise
@@ -219,8 +214,8 @@ def _check_validity(
 
 def _drop_column(column: str, error: Exception, load: Load) -> Load:
     """A load of which one column could not be calculated."""
-    says = f"{column} could not be calculated: {error_text(error)}"
-    cautions = (*load.validity.cautions, remark("not calculated", Level.DOUBTFUL, says))
+    text = f"{column} could not be calculated: {error_text(error)}"
+    cautions = (*load.validity.cautions, remark("not calculated", Level.DOUBTFUL, text))
     return load.with_values(validity=Validity.of(cautions))
 
 
@@ -253,19 +248,19 @@ def _leaks(*, with_scenarios: bool) -> Iterator[Callable[[CaseLoad], object]]:
 
 
 def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
-    rates, errors = dict[str, float](), list[Exception]()
+    values, errors = dict[str, float](), list[Exception]()
     for column in columns:
         try:
-            rates[column] = COLUMNS[column].number(load)
+            values[column] = COLUMNS[column].number(load)
         except _FAILURES as error:
-            rates[column] = math.nan
+            values[column] = math.nan
             errors.append(error)
             load = _drop_column(column, error, load)
-    if errors and all(map(math.isnan, rates.values())):
+    if errors and all(map(math.isnan, values.values())):
         raise errors[0]
-    if "margin" in rates:
-        rates["margin"] = min(rates["margin"], LARGEST_MARGIN)
-    return DesignResult(rates, _validity(load, columns), load.verdict)
+    if "margin" in values:
+        values["margin"] = min(values["margin"], LARGEST_MARGIN)
+    return DesignResult(values, _validity(load, columns), load.verdict)
 
 
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:

@@ -266,7 +266,7 @@ def _change_case(case: Case, changes: Mapping[str, Any], parameters: Mapping[str
         return with_open_materials(case, list(changes)).replace_written(changes)
     except InputError as error:
         for end in (0, -1):
-            values = {path: _ends(range_of)[end] for path, range_of in parameters.items()}
+            values = {path: _ends(entry)[end] for path, entry in parameters.items()}
             with suppress(InputError):
                 return with_open_materials(case, [*changes, *values]).replace_written({**changes, **values})
         raise InputError.at(f"changes.{error.key}", error.message, error.value) from None

@@ -97,10 +97,10 @@ class Watch:
 
     def _tell(self, block: Block) -> None:
         """Tell a block how long it has been, or that it has reached its limit."""
-        duration = time.monotonic() - block.start
-        if duration < self._limit:
-            block.slow(duration)
-            block.tell = min(2 * duration, self._limit)
+        seconds = time.monotonic() - block.start
+        if seconds < self._limit:
+            block.slow(seconds)
+            block.tell = min(2 * seconds, self._limit)
             return
         # only now: it takes longer than many a turn
         block.end = end = threading.Event()
