@@ -473,8 +473,8 @@ def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterato
         yield problem("rated_pressure_of_relief")
     elif standard != RELIEF and required.rated_pressure is None:
         yield problem("rated_pressure_missing")
-    elif (limit := case.set_pressure) and any(not t.pressure(limit) > 0.0 for t in required.tests(gas=gas)):
-        yield problem("set_pressure_of_test", held=short_quantity("fluid pressure", limit))
+    elif (p_set := case.set_pressure) and any(not t.pressure(p_set) > 0.0 for t in required.tests(gas=gas)):
+        yield problem("set_pressure_of_test", held=short_quantity("fluid pressure", p_set))
 
 
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
@@ -487,8 +487,8 @@ def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
         return
     standard = standard_named(required.standard)
     if standard is None:
-        classes = " or ".join(f'"{standard}"' for standard in STANDARDS)
-        yield Problem("requirement.standard", f"is not known; known are {classes}", show(required.standard))
+        standards = " or ".join(f'"{name}"' for name in STANDARDS)
+        yield Problem("requirement.standard", f"is not known; known are {standards}", show(required.standard))
         return
     pair, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
     possible = classes_of(standard, gas=gas)

@@ -480,9 +480,9 @@ def _hardening(
     tests = [test for table in tables for test in table.tests]
     if entry is None:
         return None
-    undated = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
-    if not tests or (undated and len(tests) > 1):
-        what = f"curve {undated[0]} has no temperature" if tests else "has no curve"
+    without_temperature = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
+    if not tests or (without_temperature and len(tests) > 1):
+        what = f"curve {without_temperature[0]} has no temperature" if tests else "has no curve"
         raise InputError.at(
             "stress_strain", f'{what}; several curves need one each, such as temperature = "300 degC"'
         )
@@ -497,7 +497,7 @@ def _hardening(
             raise InputError(
                 *(replace(fault, message=f"{which}, {fault.message}") for fault in error.problems)
             ) from None
-    if undated:
+    if without_temperature:
         return curves[0]
     return HardeningOverTemperature(tuple(test.temperature or 0.0 for test in tests), tuple(curves))
 

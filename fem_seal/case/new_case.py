@@ -324,9 +324,9 @@ def required_class(text: str, class_words: str) -> dict[str, str]:
             raise InputError.at(
                 "--class", f"names a standard and no class; {standard} has {classes}", show(class_words)
             )
-    names = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in by_standard.items() if names)
+    listing = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in by_standard.items() if names)
     raise InputError.at(
-        "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {names}", show(class_words)
+        "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listing}", show(class_words)
     )
 
 

@@ -60,14 +60,16 @@ def bolts_of(case: CaseTables) -> Bolts | None:
     at, longer = ROOM_TEMPERATURE, 0.0
     if heat is not None and (table.temperature is not None or warm):
         at = table.temperature or sum(warm.values()) / len(warm)
-        parts = case.closure.material.thermal_strain(warm.get("closure", heat.reference), heat.reference)
+        clamped_strain = case.closure.material.thermal_strain(
+            warm.get("closure", heat.reference), heat.reference
+        )
         if table.thermal_expansion is not None:
             strain = table.thermal_expansion * (at - heat.reference)
         elif material is not None:
             strain = material.thermal_strain(at, heat.reference)
         else:
             raise InputError(problem("bolts_expansion"))
-        longer = (parts - strain) * table.length
+        longer = (clamped_strain - strain) * table.length
     modulus = table.youngs_modulus
     if modulus is None:
         assert material is not None  # of the validation

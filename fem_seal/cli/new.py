@@ -209,8 +209,8 @@ def _with_answers(text: str, options: Mapping[str, str]) -> str:
             new_case.read_text_case(text)
         except InputError as error:
             options = {}
-            for problem in error.problems:
-                complain(str(problem), "")
+            for fault in error.problems:
+                complain(str(fault), "")
             say("Once more:")
         else:
             return text

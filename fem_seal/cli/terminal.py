@@ -277,7 +277,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad]) -> None:
     from fem_seal.output.report.page import marks_of
     from fem_seal.seal.load_result import MissingLoad
 
-    table, note = loads_in_brief(case, loads)
+    table, count = loads_in_brief(case, loads)
     headings = []
     for heading in table.headings:
         words, _, unit = heading.rstrip("]").partition(" [")
@@ -290,7 +290,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad]) -> None:
         )
     )
     notes = marks_of([load for load in loads if not isinstance(load, MissingLoad)])
-    notes += [f"{note} more loads in leak.csv"] if note else []
+    notes += [f"{count} more loads in leak.csv"] if count else []
     notes += [limits] if (limits := allowed_in_words(loads)) else []
     state = volume_of(case).state
     if state:
@@ -512,9 +512,9 @@ def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = Fals
     for name in () if details else SHOWN_COLUMNS["check_spared"]:
         if len(columns) > MOST_COLUMNS:
             columns = [column for column in columns if column.name != name]
-    touch = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
+    hertz = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
-        "Closed-form pressure profiles" if touch else "Loads (no closed-form profiles: the faces conform)",
+        "Closed-form pressure profiles" if hertz else "Loads (no closed-form profiles: the faces conform)",
         [f"{column.heading}\n{column.unit.name}" for column in columns],
         [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
     )

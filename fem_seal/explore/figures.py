@@ -303,17 +303,16 @@ def _over_x(designs: Sequence[ShownDesign], dark: bool, what: str) -> Figure:
     if not profiles:
         figure.say_alone("nothing to show")
         return figure
-    x_unit = designs[0].screen.display.unit_for(
-        "length", max(abs(x) for profile, _ in profiles for x in profile.x)
-    )
+    display = designs[0].screen.display
+    x_unit = display.unit_for("length", max(abs(x) for profile, _ in profiles for x in profile.x))
     if what == "gap":
         gap = max(_widest_carrying(profile) for profile, _ in profiles)
-        title, unit = "mean gap", designs[0].screen.display.unit_for("length", gap)
+        title, unit = "mean gap", display.unit_for("length", gap)
         # beside the contact the faces part soon, and far more than they do where they carry
         figure.update("yaxis", range=[0, unit.of(1.5 * gap)], autorange=False)
     else:
         peak = max((y for profile, _ in profiles for y in profile.pressure if math.isfinite(y)), default=0.0)
-        title, unit = "contact pressure", designs[0].screen.display.unit_for("contact pressure", peak)
+        title, unit = "contact pressure", display.unit_for("contact pressure", peak)
     figure.update("xaxis", f"x across the seat [{x_unit.name}]")
     figure.update("yaxis", f"{title} [{unit.name}]", rangemode="tozero")
 

@@ -257,27 +257,27 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def follow(request_data: Any, _: Any, pins: Any, dark: Any, state_data: Any) -> Any:
         if not request_data or dark is None:
             raise PreventUpdate
-        request = validate(PageRequest, request_data, "asked")
-        session = _session(answers, request.design)
+        question = validate(PageRequest, request_data, "asked")
+        session = _session(answers, question.design)
         factors = session.factors
         state_data = validate(dict[str, Any], state_data or {}, "shown")
         old_design = validate(Design, state_data.get("design") or {}, "shown")
-        screen = answers.answer(request.design, request.page, request.number)
+        screen = answers.answer(question.design, question.page, question.number)
         if screen is None:
             raise PreventUpdate
         if not screen.complete and not screen.problem:
-            _settle_later(answers, request)
+            _settle_later(answers, question)
         pin_screens = [answers.screen(design) for design in _place_pins(answers, pins).values()]
         state, loss = _state(screen, answers), answers.loss_message
-        signature = _signature(screen, state, request.wrong, loss, pins, dark, pin_screens)
-        mark = {"signature": signature, "number": request.number, "design": old_design}
+        signature = _signature(screen, state, question.wrong, loss, pins, dark, pin_screens)
+        mark = {"signature": signature, "number": question.number, "design": old_design}
         # those of the page, which may have other sliders by now
         keys = [row["id"]["key"] for row in ctx.outputs_grouping["rows"]]
         several = {"figures": len(_PICTURES), "wrong": len(keys), "rows": len(keys)}
         unchanged_outputs = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == state_data.get("signature"):
             return {**unchanged_outputs, "shown": mark}
-        wrong = {**refused_words(screen, old_design), **factors.find_errors(request.wrong)}
+        wrong = {**refused_words(screen, old_design), **factors.find_errors(question.wrong)}
         values = {
             **unchanged_outputs,
             "wrong": [wrong.get(key, "") for key in keys],
@@ -288,7 +288,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         if screen.problem:
             # what was there before stays, faded
             note = still_words(factors, screen.design, old_design)
-            sentences = [f"{screen.problem}.", note, not_taken_words(factors, old_design, request.wrong)]
+            sentences = [f"{screen.problem}.", note, not_taken_words(factors, old_design, question.wrong)]
             problem = " ".join(filter(None, sentences))
             return {**values, "problem": problem, "results": "results stale", "warnings": [], "shown": mark}
         designs = designs_shown(screen, pin_screens)
@@ -307,7 +307,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                 rows=_input_rows(answers, [design.screen for design in designs]),
                 most=len(PINS),
             ),
-            "problem": not_taken_words(factors, screen.design, request.wrong),
+            "problem": not_taken_words(factors, screen.design, question.wrong),
             "results": "results",
             "shown": {**mark, "design": screen.design},
         }
@@ -319,9 +319,9 @@ def _input_rows(answers: Answers, screens: Sequence[Screen]) -> dict[str, list[s
     return {label: [labels.get(label, "") for labels in inputs] for each in inputs for label in each}
 
 
-def _settle_later(answers: Answers, request: PageRequest) -> None:
+def _settle_later(answers: Answers, question: PageRequest) -> None:
     """Begin with the complete run when nothing newer was asked for a while."""
-    timer = threading.Timer(_REST, answers.rest, (request.design, request.page, request.number))
+    timer = threading.Timer(_REST, answers.rest, (question.design, question.page, question.number))
     timer.daemon = True
     timer.start()
 

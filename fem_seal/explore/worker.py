@@ -224,9 +224,9 @@ def complete_work() -> Work:
 
     results: dict[str, SealResult] = {}
 
-    def calculate(calculation: Calculation, has_left: Callable[[], bool]) -> Iterator[Screen]:
+    def calculate(calculation: Calculation, is_abandoned: Callable[[], bool]) -> Iterator[Screen]:
         def progress(_: str) -> None:
-            if not calculation.folder and has_left():
+            if not calculation.folder and is_abandoned():
                 raise LeftError
 
         design, name = calculation.design, str(calculation.design)

@@ -477,7 +477,7 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 def _contact_ends(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for end, side in ((0, "bore"), (-1, "outer")):
         ends = [load.profiles[end] for load in loads]
-        shares = [float(x.pressure[end]) / load.peak_pressure for x, load in zip(ends, loads, strict=True)]
+        shares = [float(p.pressure[end]) / load.peak_pressure for p, load in zip(ends, loads, strict=True)]
         if max(shares) > _CUT_SHARE:
             load = loads[shares.index(max(shares))]
             # conforming faces always end inside the contact
@@ -580,8 +580,8 @@ def _stress(pressure: float, load: LoadResult, limit: float) -> str:
 
 def _two_digits(value: float, unit: str) -> str:
     """A force or pressure [SI] in a unit of the field, or that in its place."""
-    symbol = fixed_unit(unit)
-    return f"{number(symbol.of(value), 2)} {symbol.name}"
+    usual = fixed_unit(unit)
+    return f"{number(usual.of(value), 2)} {usual.name}"
 
 
 def _times(share: float, load: LoadResult, digits: int = 2) -> str:

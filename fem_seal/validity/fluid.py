@@ -90,8 +90,8 @@ def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Fin
     loads : sequence of LoadResult
         Each caution is about the worst of them.
     """
-    check_kind = _thickening if flow.gas is None else _dense_gas
-    yield from (item for check in (molecule_cautions, check_kind, _inertia) for item in check(flow, loads))
+    at_pressure = _thickening if flow.gas is None else _dense_gas
+    yield from (item for check in (molecule_cautions, at_pressure, _inertia) for item in check(flow, loads))
 
 
 def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -250,8 +250,8 @@ def _fastest_gas(
     flows = [(inertia, load) for load, scenario in pairs if (inertia := _inertia_of(flow, scenario))]
     if not flows:
         return None
-    (numbers, reduced_Re), load = max(flows, key=lambda flow: (flow[0][0].acceleration, flow[0][1]))
-    worst_reynolds = max(flow[0][0].reynolds for flow in flows)
+    (numbers, reduced_Re), load = max(flows, key=lambda pair: (pair[0][0].acceleration, pair[0][1]))
+    worst_reynolds = max(gas_flow.reynolds for (gas_flow, _), _ in flows)
     is_void = numbers.acceleration > _VOID_SHARE or worst_reynolds > _TURBULENT
     ratio = max(numbers.acceleration / _DOUBTFUL_SHARE, reduced_Re / _INERTIAL, worst_reynolds / _TURBULENT)
     is_reported = ratio > 1.0
@@ -287,7 +287,7 @@ def _fastest_liquid(
     """`_fastest_gas` for a liquid."""
     flows = [(*numbers, load) for load, scenario in pairs if (numbers := _of_liquid(flow, scenario))]
     # a turbulent flow before any other
-    worst = max(flows, key=lambda flow: (flow[0] > _TURBULENT, flow[1]), default=(0.0, 0.0, None))
+    worst = max(flows, key=lambda item: (item[0] > _TURBULENT, item[1]), default=(0.0, 0.0, None))
     reynolds, reduced_Re, load = worst
     ratio = max(reduced_Re / _INERTIAL, reynolds / _TURBULENT)
     is_reported = ratio > 1.0
