@@ -93,16 +93,19 @@ REPEATED = {
     "critical_separation_elastic_m",
 }
 # A sealed load has no interval.
-EMPTY = {"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"}
+NO_INTERVAL = {"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"}
 
 
 def _has_the_columns_that_belong_to_it(result):
     """What was calculated, which is not asked when the columns are chosen, fills them and no others."""
     every = result.all_columns
-    filled = {name for name in every if every[name].notna().any()}
+    filled = {name for name in every if (every[name].notna() & (every[name] != "")).any()}
     assert filled - {*result.table} <= REPEATED
     empty = {*result.table} - filled
-    assert not empty or (empty <= EMPTY and all(load.leak.leak_rate == 0 for load in result.loads))
+    # a valid load has no reasons
+    assert ("validity_reasons" in empty) == (set(result.table["validity"]) == {"valid"})
+    empty -= {"validity_reasons"}
+    assert not empty or (empty <= NO_INTERVAL and all(load.leak.leak_rate == 0 for load in result.loads))
 
 
 def _is_told_in_brief(result, capsys):

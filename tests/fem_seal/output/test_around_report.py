@@ -292,13 +292,13 @@ def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
     changed = result.case.replace({"form.scratches": [deepest, scratches[1]], "load.target_leak_rate": None})
     # the one that both readings of yielding asperities allow
     assert run_loads(changed).loads[0].leak_range[1] == pytest.approx(1e-6 / 60, rel=1e-5)
-    rates = []
-    for load in (result.loads[0], result.loads[0].scenarios[Reading.CAPPED]):
-        low, high = load.around.scratches
-        rates.append(load.leak.leak_rate - (high - low))
     (shown,) = re.findall(
-        r"the lower one gives ([\d.]+) (?:to ([\d.]+) )?ml/min",
+        r"Scratches and lay add (.*?) ml/min \(no fluid passes .*?\) to (.*?) ml/min \(it passes freely\)",
         report(result, full=True).replace("\xa0", " "),
     )
-    told = sorted(float(text) for text in shown if text)
-    assert [told[0], told[-1]] == pytest.approx([rate * 60e6 for rate in sorted(rates)], rel=0.051)
+    readings = (result.loads[0], result.loads[0].scenarios[Reading.CAPPED])
+    for text, bounds in zip(
+        shown, zip(*(load.around.scratches for load in readings), strict=True), strict=True
+    ):
+        told = [float(end) for end in text.split(" to ")]
+        assert [told[0], told[-1]] == pytest.approx([rate * 60e6 for rate in sorted(bounds)], rel=0.051)

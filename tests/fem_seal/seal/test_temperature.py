@@ -1015,7 +1015,7 @@ def test_a_field_of_heat_makes_a_body_yield_as_it_would_by_its_stress() -> None:
     path = load_path(model, fem_seal.HardContact(), [PathLoad(1e3, loads)], at_rest=loads)
     state = path.unloaded_bodies.initial_states["seat"]
     assert state.plastic.accumulated_strain.max() > 1e-4
-    solid = path.unloaded.bodies["seat"].solid
+    solid = path.unloaded_bodies.bodies["seat"].solid
     strain = at_quadrature_points(model.seat.fem.mesh, model.seat.fem.free_strain["heat"])
     # in balance without a force, and on the yield surface, by what the solid itself says of the strain
     flow = solid.respond(state.displacement, solid.virgin, strain)
