@@ -1,6 +1,7 @@
 """result.bin: a solution without what only solving reads, from which its report can be drawn again.
 
-It is a pickle, which could call anything when it is read: only classes of this program and what they are made of pass.
+It is a pickle, which could call anything when it is read: only values of this program and what they are made of pass,
+and arrays are numbers alone, as a pickle of numpy could hold addresses.
 """
 
 from __future__ import annotations
@@ -8,14 +9,19 @@ from __future__ import annotations
 import copyreg
 import pickle
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
+from enum import Enum
 from io import BytesIO
-from pathlib import Path
-from typing import Any
+from pathlib import Path, PurePath
+from typing import Any, Literal
+
+import numpy as np
 
 from fem_seal.answers.solution import SealSolution
+from fem_seal.case.fields import Table
 from fem_seal.errors import InputError
 from fem_seal.files import write_bytes
+from fem_seal.seal.sources import Source
 from fem_seal.version import __version__
 
 FILE = "result.bin"
@@ -31,14 +37,11 @@ _OF_SOLVING: Mapping[str, frozenset[str]] = {
 _FIELDS = frozenset({"fields", "moved"})
 
 _OWN = ("fem_seal", "leak", "meshes", "pathlib")
+# What classes of these are, beside dataclasses: to make one of them does nothing else.
+_VALUES = (Enum, PurePath, Source, Table, tuple)
 # Of other packages, and functions: values made of numbers.
 _KNOWN = {
     ("builtins", "slice"),
-    ("numpy", "dtype"),
-    ("numpy", "ndarray"),
-    ("numpy._core.multiarray", "_reconstruct"),
-    ("numpy._core.multiarray", "scalar"),
-    ("numpy._core.numeric", "_frombuffer"),
     ("scipy._lib.array_api_compat.numpy._aliases", "asarray"),
     ("scipy.interpolate._bsplines", "BSpline"),
     ("scipy.interpolate._fitpack2", "RectBivariateSpline"),
@@ -46,6 +49,8 @@ _KNOWN = {
     ("skfem.element.element_tri.element_tri_p1", "ElementTriP1"),
     ("skfem.mapping.mapping_affine", "MappingAffine"),
     ("fem_seal.answers.chain", "no_table"),
+    (__name__, "_array"),
+    (__name__, "_scalar"),
     ("fem_seal.seal.leak_model", "FlowModel.table_around"),
 }
 # Classes whose methods are stored, for which pickle asks `getattr`: they calculate, and write nothing.
@@ -66,6 +71,12 @@ class _Slim(pickle.Pickler):
 
     def reducer_override(self, value: Any) -> Any:
         """Pickle calls it with every object."""
+        if isinstance(value, np.ndarray):
+            order: Literal["C", "F"] = "F" if value.flags.fnc else "C"
+            buffer = bytearray if value.flags.writeable else bytes
+            return _array, (value.dtype.str, value.shape, order, buffer(value.tobytes(order)))
+        if isinstance(value, np.generic):
+            return _scalar, (value.dtype.str, value.tobytes())
         left_out = _OF_SOLVING.get(type(value).__name__)
         if type(value).__name__ == "ContactSolution" and id(value) not in self.drawn:
             left_out = _FIELDS
@@ -78,6 +89,14 @@ class _Slim(pickle.Pickler):
         return copyreg.__newobj__, (type(value),), state | dict.fromkeys(left_out & own)  # type: ignore[attr-defined]
 
 
+def _array(kind: str, shape: tuple[int, ...], order: Literal["C", "F"], content: bytes | bytearray) -> Any:
+    return np.frombuffer(content, kind).reshape(shape, order=order)
+
+
+def _scalar(kind: str, content: bytes) -> Any:
+    return np.frombuffer(content, kind)[0]
+
+
 class _Known(pickle.Unpickler):
     """Makes nothing but values of this program."""
 
@@ -85,9 +104,14 @@ class _Known(pickle.Unpickler):
         """Class or function of a name that stands in the file."""
         if (module, name) == ("builtins", "getattr"):
             return _method
-        found = super().find_class(module, name)
-        if (module, name) in _KNOWN or (module.split(".")[0] in _OWN and isinstance(found, type)):
-            return found
+        if (module, name) in _KNOWN:
+            return super().find_class(module, name)
+        if module.split(".")[0] in _OWN:
+            found = super().find_class(module, name)
+            # a name can also lead to what the module imports
+            own = isinstance(found, type) and (found.__module__, found.__qualname__) == (module, name)
+            if own and (is_dataclass(found) or issubclass(found, _VALUES)):
+                return found
         raise pickle.UnpicklingError(f"{module}.{name}")
 
 

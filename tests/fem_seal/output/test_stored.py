@@ -6,8 +6,10 @@ import os
 import pickle
 import re
 import shutil
+from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 from sample_results import case, gasket_result, rough_result, run_loads
 
@@ -84,6 +86,38 @@ def test_what_is_no_result_is_refused(content, reason, tmp_path, monkeypatch, ca
     assert {path.name for path in tmp_path.iterdir()} <= {stored.FILE}
 
 
+def calling(module: str, name: str, *arguments: object) -> bytes:
+    """A pickle that calls what a name of a module leads to, which `pickle.dumps` does not write."""
+    names = b"".join(b"\x8c" + bytes([len(text)]) + text.encode() for text in (module, name))
+    return b"\x80\x05" + names + b"\x93" + pickle.dumps(arguments, 5)[2:-1] + b"R."
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (calling("fem_seal.output.pdf", "subprocess.run", ["mkdir", "harm"]), "pdf.subprocess.run"),
+        (calling("fem_seal.output.pdf", "subprocess.Popen", ["mkdir", "harm"]), "pdf.subprocess.Popen"),
+        (calling("pathlib", "io.FileIO", "harm", "w"), "pathlib.io.FileIO"),
+        (calling("fem_seal.studies.results", "StudyResult", "harm"), "StudyResult"),
+        (calling("harmful", "call"), "harmful.call"),
+        (pickle.dumps(np.array([1.0])), "numpy"),
+        (calling(stored.__name__, "_array", "O", (1,), "C", bytes(8)), "OBJECT array"),
+        (calling(stored.__name__, "_array", "f8,O", (1,), "C", bytes(16)), "OBJECT array"),
+        (calling(stored.__name__, "_scalar", "O", bytes(8)), "OBJECT array"),
+    ],
+    ids=["function", "process", "file", "study", "import", "array", "objects", "record", "object"],
+)
+def test_what_could_run_code_is_not_read(content, reason, tmp_path, monkeypatch):
+    """Nor is a module imported, from whichever folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    Path("harmful.py").write_text("import os; os.mkdir('harm')", encoding="utf-8")
+    Path(stored.FILE).write_bytes(HEAD + content)
+    with pytest.raises(ValueError, match=reason):
+        stored.read_result(tmp_path)
+    assert not Path("harm").exists()
+
+
 def test_the_full_report_says_what_only_a_full_run_calculates(tmp_path, capsys):
     folder = run_loads(case(load={"fluid_pressure": "20 bar"})).write(tmp_path)
     assert cli.main(["report", str(folder), "--full"]) == cli.DONE
@@ -98,7 +132,9 @@ def test_a_study_is_sent_to_its_own_command(tmp_path, capsys):
 
 
 def test_a_method_that_writes_is_not_read(tmp_path):
-    (tmp_path / stored.FILE).write_bytes(HEAD + pickle.dumps(Writer()))
+    content = BytesIO()
+    stored._Slim(content, rough_result()).dump(Writer())
+    (tmp_path / stored.FILE).write_bytes(HEAD + content.getvalue())
     with pytest.raises(ValueError, match=r"SealMesh\.write"):
         stored.read_result(tmp_path)
 
