@@ -190,7 +190,7 @@ class Dissection:
         return self._answers(self._eliminate_parts(is_changed, stiffness))
 
     def condense_elastic(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """The same as `condensed` where no element has another stiffness than the elastic one."""
+        """The same as `condense` where no element has another stiffness than the elastic one."""
         return self._answers(self._elastic)
 
     def _answers(self, fronts: list[_Elimination]) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
@@ -434,7 +434,7 @@ class DissectedBody:
         )
 
     def elastic(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """The body before it yields, as `condensed` has it.
+        """The body before it yields, as `condense` has it.
 
         Raises
         ------

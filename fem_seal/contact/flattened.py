@@ -71,9 +71,13 @@ def solve_flattened(
                 float((missing_force - force_change @ by_gap) / (force_change @ by_approach)), stop - d
             )
         change = by_gap + step_d * by_approach
+        aim = v + change
         v, d = v + np.where(change > 0, np.log1p(np.maximum(change, 0.0)), change), d + step_d
         if not np.all(np.isfinite(v)):
             return None
-        if np.abs(change[v > v.max() + math.log(tolerance)]).max() < tolerance:
+        # where next to nothing is carried yet, more may be at once
+        least = v.max() + math.log(tolerance)
+        v = np.maximum(v, np.minimum(aim, least))
+        if np.abs(change[v >= least]).max() < tolerance:
             return hats @ v, d, step
     return None

@@ -29,6 +29,8 @@ _ROUND_OFF = 64 * np.finfo(float).eps
 _LEAST_SHARE, _LARGEST_SHARE, _SHARE_OF_REST, _SHARE_OF_SQUARE = 1e-8, 1e-4, 1e-3, 1e-3
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
+# ln of the pressure over the largest below which a point that carries nothing may stay without any.
+_LEAST_LOG_PRESSURE = math.log(np.finfo(float).eps)
 
 
 def solve(
@@ -247,10 +249,10 @@ def _solution_of_state(
 ) -> ContactSolution:
     assert not isinstance(problem.law, HardContact)
     (v, d), carried_force, line = state, problem.contact_force, problem.model.line
-    loads, pressure, gap = problem.loads or BodyLoads(), np.exp(v), problem.law.gap(v)
+    loads, force, gap = problem.loads or BodyLoads(), line.area_weight * np.exp(v), problem.law.gap(v)
     if d >= problem.model.stop:
-        carried_force = min(float((line.normal[1] * line.area_weight) @ pressure), carried_force)
-    if not pressure.all():
+        carried_force = min(float(line.normal[1] @ force), carried_force)
+    if not force.all():
         # what carries nothing is as far apart as the bodies are: no force depends on its ln p, which is not iterated
         apart = (
             line.initial_gap
@@ -258,7 +260,7 @@ def _solution_of_state(
             - d * line.normal[1]
             + line.lift(float(gap[v.argmax()]))
         )
-        gap = np.where(pressure > 0, gap, apart + problem.model.compliance @ (line.area_weight * pressure))
+        gap = np.where(force > 0, gap, apart + problem.model.compliance @ force)
     return ContactSolution(
         problem.model,
         carried_force,
@@ -448,7 +450,10 @@ def _residual(
         scale += _ROUND_OFF * model.initial_contact_radius / 8
     scale /= settings.gap_tolerance
     scale += decay
-    worst = np.where(f > 0, np.abs(gap_residual) / scale, 0.0).max(axis=1)
+    # what carries nothing is out of balance, too, where the bodies are as near as at a pressure that matters
+    by_gap = v - gap_residual / decay
+    counts = (f > 0) | (by_gap > v.max(axis=1, keepdims=True) + _LEAST_LOG_PRESSURE)
+    worst = np.where(counts, np.abs(gap_residual) / scale, 0.0).max(axis=1)
     return gap_residual, rows.force - (line.normal[1] * f).sum(axis=1), worst
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from contact_models import STEEL, ball_on_cone
 
+from fem_seal.contact.flattened import solve_flattened
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
@@ -373,6 +374,34 @@ def test_a_soft_seal_under_an_all_but_rigid_law_meets_hertz() -> None:
     hertz = math.sqrt(effective_modulus(closure, seat) * model.line_load(force) / (math.pi * radius))
     assert abs(solution.force_error) < 1e-10
     assert solution.profile.peak_pressure == pytest.approx(hertz, rel=0.02)
+
+
+@pytest.mark.parametrize(("modulus", "pressure", "u0"), [(1e9, 2e6, 5e-10), (20e9, 30e6, 1e-11)])
+def test_rigid_laws_carry_wherever_the_bodies_meet(modulus: float, pressure: float, u0: float) -> None:
+    """Hertz's peak; a contact that leaves part of the faces without pressure in each other has 1.5 to 2 times it."""
+    seat = Material("seat", modulus, 0.3)
+    model, (force,) = ball_on_cone(LAW, [pressure], seat=seat, refine=0.5)
+    solution = solve(model, ExponentialLaw(p_c=5e9, u0=u0), contact_force=force)
+    hertz = math.sqrt(effective_modulus(STEEL, seat) * model.line_load(force) / (math.pi * 0.02))
+    assert solution.profile.peak_pressure == pytest.approx(hertz, rel=0.02)
+
+
+@pytest.mark.parametrize("u0", [2e-9, 2e-8])
+def test_half_of_the_faces_that_start_without_pressure_carry_theirs(u0: float) -> None:
+    """ln p rises by some ten in a step: the other half would be in balance long before, 3 times as high."""
+    model, (force,) = ball_on_cone(LAW, [2e6], refine=0.5)
+    law = ExponentialLaw(p_c=5e9, u0=u0)
+    solution = solve(model, law, contact_force=force)
+    half = replace(solution, log_pressure=np.where(model.line.x > 0, -1e4, solution.log_pressure))
+    again = solve(model, law, contact_force=force, start=half)
+    assert again.pressure == pytest.approx(solution.pressure, abs=1e-10 * solution.pressure.max())
+    gap = model.line.initial_gap
+    rigid = [
+        solve_flattened(model, law, force, gap, (start.log_pressure, start.approach), 0.0, 1e-10)
+        for start in (solution, half)
+    ]
+    assert rigid[0] is not None and rigid[1] is not None
+    assert np.exp(rigid[1][0]) == pytest.approx(np.exp(rigid[0][0]), abs=1e-8 * np.exp(rigid[0][0].max()))
 
 
 def test_contacts_moved_together_move_as_each_alone() -> None:

@@ -132,7 +132,7 @@ def test_a_path_is_that_of_the_factorised_bodies(monkeypatch: pytest.MonkeyPatch
         solid = HeldSolid(body.fem.mesh, body.fem.material, free=body.fem.free)
         return contact_compliance(body.fem, solid.stiffness(flow.tangent))
 
-    monkeypatch.setattr(DissectedBody, "condensed", whole)
+    monkeypatch.setattr(DissectedBody, "condense", whole)
     for one, other in zip(parts, load_path(model, LAW, loads, unload=False).contacts, strict=True):
         assert one.states["seat"].plastic.accumulated_strain.max() > 1e-4
         assert one.pressure == pytest.approx(other.pressure, abs=1e-9 * other.pressure.max())
