@@ -186,12 +186,12 @@ class _Scenario:
     def narrowest(self) -> tuple[float, float]:
         return self.largest_passing, self.load.critical_separation or 0.0
 
-    def below(self, size: float) -> float:
+    def area_below(self, size: float) -> float:
         """Share of the open area."""
         contact = float(self.gaps.contact[0])
-        return (float(self.gaps.below(size)[0]) - contact) / (1.0 - contact)
+        return (float(self.gaps.area_below(size)[0]) - contact) / (1.0 - contact)
 
-    def remaining(self, size: float) -> float:
+    def remaining_share(self, size: float) -> float:
         """Share of the leak that is left with all gaps below a size shut."""
         found = replace(self.load, rough=self.shut(self.rough, size)).leak
         assert found is not None  # that of the open surfaces is there
@@ -219,7 +219,7 @@ def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnsw
         leak.cloggings(*one) for one in zip((r.leak_rate for r in scenarios), each, places, strict=True)
     ]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
-    left = None if filter_size is None else Bounds.of(one.remaining(filter_size) for one in scenarios)
+    left = None if filter_size is None else Bounds.of(one.remaining_share(filter_size) for one in scenarios)
     # a scratch stays open, whatever is shut beside it
     halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
     keeping = [_size_that_leaves(KEPT, sizes, share) for share in shares]
@@ -231,7 +231,7 @@ def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnsw
         tuple(
             ShutGaps(
                 float(size),
-                Bounds.of(one.below(float(size)) for one in scenarios),
+                Bounds.of(one.area_below(float(size)) for one in scenarios),
                 Bounds.of(one.leak_rate * share[n] for one, share in zip(scenarios, shares, strict=True)),
                 Bounds.of(share[n] for share in shares),
                 Bounds(float(particles.low[n]), float(particles.high[n])),
@@ -252,7 +252,7 @@ def _curve(scenarios: Sequence[_Scenario]) -> tuple[FloatArray, list[FloatArray]
     """Round sizes, and the share of the leak that is left of each reading."""
 
     def shares(size: float) -> list[float]:
-        return [one.remaining(size) for one in scenarios]
+        return [one.remaining_share(size) for one in scenarios]
 
     expected = _PASSING * min(one.largest_passing for one in scenarios)
     first = int(np.searchsorted(_SIZES, expected))

@@ -170,7 +170,7 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     example = 'such as "x [mm], contact_pressure [MPa]"'
     if not table.header:
         columns = table.values.shape[1]
-        above = f" (the line above them is {table.above[-1][1][:60]!r})" if table.above else ""
+        above = f" (the line above them is {table.lines_above[-1][1][:60]!r})" if table.lines_above else ""
         raise TextTableError(
             f"has no header over its {columns} columns{above}; name each with its unit, {example}"
         )
@@ -197,7 +197,7 @@ def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
     """The table with units of columns that have none where their program says or cannot say them."""
     header = list(table.header)
     lengths = [place for role in _LENGTHS for place in roles.get(role, ())]
-    told = next((found[1] for _, line in table.above if (found := _LENGTH_UNIT.search(line))), None)
+    told = next((found[1] for _, line in table.lines_above if (found := _LENGTH_UNIT.search(line))), None)
     pressures = roles["pressure"]
     bare = [place for place in (*lengths, *pressures) if not name_and_unit(header[place])[1]]
     words = [name_and_unit(name)[0] for name in header]

@@ -48,7 +48,7 @@ def test_a_code_or_counts_say_how_many_particles_there_are():
     assert dirty_case().fluid.particles.counts == leak.ParticleCounts.of_iso_4406("15/13/10")
     counted = {"sizes": ["2 um", "10 um"], "per_ml": [5000, 100.0], "filter": "3 um"}
     found = dirty_case(counted).fluid.particles.counts
-    assert found == leak.ParticleCounts.counted([2e-6, 10e-6], [5e9, 1e8], 3e-6)
+    assert found == leak.ParticleCounts.of_counts([2e-6, 10e-6], [5e9, 1e8], 3e-6)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +229,7 @@ def test_nothing_is_said_of_a_load_outside_the_theory():
 
 
 def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
-    counts = leak.ParticleCounts.counted([1e-6, 2e-6], [1e9, 1e8], largest=1e-8)
+    counts = leak.ParticleCounts.of_counts([1e-6, 2e-6], [1e9, 1e8], largest=1e-8)
     table = {"sizes": ["1 um", "2 um"], "per_ml": [1000, 100], "filter": "10 nm"}
     changed = replace(
         result().answered(particles=particle_answers(result().loads, counts)),
@@ -243,7 +243,7 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
 
 @pytest.mark.usefixtures("unrendered")
 def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
-    counts = leak.ParticleCounts.counted([50e-6, 200e-6], [1e9, 1e8])
+    counts = leak.ParticleCounts.of_counts([50e-6, 200e-6], [1e9, 1e8])
     table = {"sizes": ["50 um", "200 um"], "per_ml": [1000, 100]}
     changed = replace(
         result().answered(particles=particle_answers(result().loads, counts)),
