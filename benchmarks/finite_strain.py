@@ -148,7 +148,7 @@ def compare(name: str, half_width: float, neo_hookean: bool = False) -> dict[str
     law = problem.law
     assert isinstance(law, ExponentialLaw)
     evaluation = evaluate(problem)
-    seal_mesh, contacts = evaluation.seal_mesh, evaluation.solved
+    seal_mesh, contacts = evaluation.seal_mesh, evaluation.solved_loads
     small = contacts.contacts[0]
     materials = {"closure": case.closure.material, "seat": case.seat.material}
     solid = Solid(seal_mesh, curved_points(seal_mesh), materials, neo_hookean)

@@ -12,7 +12,7 @@ Prints each figure beside its ceiling, which stands in `ceilings.toml`; `--check
   matches nothing any more makes `--check` fail: it is to be replaced by the new name of the thing, or goes with the
   thing, so that a renaming alone lowers no figure.
 - **Numbers**: assignments of a module in whose value a number stands. **Caches**: functions and properties that keep
-  what they return, and `Kept` stores.
+  what they return, and `KeyedStore`.
 - **Code lines**: see `lines_of_code.py`.
 """
 
@@ -245,7 +245,7 @@ def caches(text: str) -> int:
     calls = [
         node.func.id
         for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Kept"
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "KeyedStore"
     ]
     kinds = ("cache", "cached_property", "lru_cache", "variant")
     return sum(decorator in kinds for decorator in decorators) + len(calls)

@@ -140,7 +140,7 @@ def outcome(tables: dict[str, Any]) -> Outcome:
     try:
         case = fem_seal.Case(**tables)
         problem = SealProblem.of(case)
-        contacts = evaluate(problem).solved
+        contacts = evaluate(problem).solved_loads
         (contact,) = contacts.contacts
     except (SealError, MeshesError) as error:
         kind = "not converged" if isinstance(error, ConvergenceError) else "refused"

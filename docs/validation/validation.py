@@ -94,7 +94,9 @@ def _numbers(
     for number, (pressure, force) in enumerate(case.load.points, start=1):
         one = case.replace({"load.fluid_pressure": pressure, "load.applied_force": force})
         row = evaluate_design(one, [name for name in wanted if name in COLUMNS], interpolate=False)
-        reasons += [f"load {number}, {reason}" for reason in row.validity.reasons if row.validity.outside]
+        reasons += [
+            f"load {number}, {reason}" for reason in row.validity.reasons if row.validity.outside_theory
+        ]
         for column, numbers in readings.items():
             read_so = row.values.get(column, math.nan)
             chosen = dict(row.values)

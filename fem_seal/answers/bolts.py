@@ -86,7 +86,7 @@ def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float)
     if len(opened) == len(preloads):
         return [math.inf] * len(preloads)
     left = [number for number in range(len(preloads)) if number not in opened]
-    solver = LoadSolver(replace(problem, loads=loads.without(opened)), seal.model)
+    solver = LoadSolver(replace(problem, loads=loads.without_loads(opened)), seal.model)
     solved = solve_loads(solver, request.clock.progress, contacts_only=True)
     numbers = [n for n in range(len(left)) if n not in solved.failures]
     points = [solved.points[number] for number in numbers]
@@ -113,6 +113,6 @@ BOLTS = Answer[BoltAnswers | None](
     _compute,
     None,
     of_load=_of_load,
-    status="bolts",
+    doing="bolts",
     needs=("problem.loads.bolts",),
 )

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from meshes import SealMesh
 
 
-Subject = TypeVar("Subject", "SealProblem", "Evaluation")
+Whole = TypeVar("Whole", "SealProblem", "Evaluation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,12 +70,12 @@ class CaseLoad(LoadResult):
         How far the numbers can be trusted, and why no further; see guide/validity in the manual.
     target_validity : Validity or None
         The same of `force_for_target`; None without it.
-    sample_ends : Bounds or None
+    sampled : Bounds or None
         Ends of the samples of uncertain inputs, in all scenarios whose numbers are in the interval and with the
         theory's own error [m^3/s]; None where none is sampled.
     leak_rate_p50 : float or None
         Median of the samples in the nominal scenario, with the theory's own error [m^3/s]; None where none is sampled.
-    is_after_test : bool
+    tested : bool
         Whether the samples are those that a leak test has left; the inputs as given are then none of them.
     rougher : float
         What the gaps of the roughest samples let through over that of the surface as given, by h^3/eta [-].
@@ -85,7 +85,7 @@ class CaseLoad(LoadResult):
         Whether it keeps what [requirement] asks of it; None where nothing is asked.
     verdict_force : VerdictForce or None
         The force at which the verdict passes; None if not asked.
-    pass_statistics : PassProbability or None
+    passing : PassProbability or None
         How likely it keeps that; None where nothing is asked.
     bolts : BoltState or None
         What each bolt carries; None without bolts.
@@ -99,14 +99,14 @@ class CaseLoad(LoadResult):
     preload_for_target: float | None = None
     validity: Validity = VALID
     target_validity: Validity | None = None
-    sample_ends: Bounds | None = None
+    sampled: Bounds | None = None
     leak_rate_p50: float | None = None
-    is_after_test: bool = False
+    tested: bool = False
     rougher: float = 1.0
     at_preload_ends: Bounds | None = None
     judgement: LoadVerdict | None = None
     verdict_force: VerdictForce | None = None
-    pass_statistics: PassProbability | None = None
+    passing: PassProbability | None = None
     bolts: BoltState | None = None
 
     @classmethod
@@ -158,7 +158,7 @@ class CaseLoad(LoadResult):
         leaks = [load.leak for load in (self, *beside)]
         return Bounds.of(leak.leak_rate for leak in leaks if leak) if beside and all(leaks) else None
 
-    def load_in_scenario(self, name: str) -> CaseLoad | None:
+    def known_in(self, name: str) -> CaseLoad | None:
         """The load in a scenario on its contact, with what is known of the load itself; None where it is that one.
 
         Parameters
@@ -179,7 +179,7 @@ class CaseLoad(LoadResult):
         return other.with_values(
             at_preload_ends=ends,
             rougher=self.rougher,
-            is_after_test=self.is_after_test,
+            tested=self.tested,
             validity=self.validity,
             mesh_error=self.mesh_error,
         )
@@ -199,9 +199,7 @@ class CaseLoad(LoadResult):
         (load,) = parts
         return load
 
-    def validity_by(
-        self, check: Callable[[Subject, CaseLoad], Validity], wholes: Sequence[Subject]
-    ) -> Validity:
+    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], wholes: Sequence[Whole]) -> Validity:
         """What a check says of it, given the problem or the evaluation of each of its parts.
 
         Parameters
@@ -248,7 +246,7 @@ class CaseLoad(LoadResult):
         if leak is not None:
             known = all("leak" in vars(load) for load in self.others.values()) and self.has_interval
             told = self.leak_interval if known and self.leak_interval is not None else leak.leak_rate
-            claimed = not self.validity.outside
+            claimed = not self.validity.outside_theory
             parts.append(f"leak rate {leak_range_text(told, self.leak_digits, claimed=claimed)}")
         return ", ".join([*parts, str(self.validity.level)])
 
@@ -302,7 +300,7 @@ class CaseLoad(LoadResult):
         )
 
     @cached_property
-    def unsealed_rates(self) -> tuple[float, float]:
+    def unsealed(self) -> tuple[float, float]:
         """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
         flow = None if self.rough is None else self.rough.flow
         if self.rough is None or flow is None:
@@ -366,7 +364,7 @@ class CaseLoad(LoadResult):
     def leak_validity(self) -> Validity:
         """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
         # the samples have the theory's own error
-        own = self.theory_error if self.sample_ends is None else EXACT
+        own = self.theory_error if self.sampled is None else EXACT
         share = None if self.mesh_error is None else self.mesh_error.leak_rate
         return _add_doubts(self.validity, share, own)
 
@@ -375,9 +373,9 @@ class CaseLoad(LoadResult):
         """`leak_interval` without what the calculation may be off by [m^3/s]."""
         if self.leak is None:
             return None
-        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sample_ends or ())]
-        if self.is_after_test and self.sample_ends is not None:
-            known = [*self.sample_ends]
+        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
+        if self.tested and self.sampled is not None:
+            known = [*self.sampled]
         return Bounds.of([*known, *(self.at_preload_ends or ())])
 
     @property
@@ -396,15 +394,15 @@ class CaseLoad(LoadResult):
     @property
     def most_leak(self) -> float:
         """What physics lets through: the open bore, and the rough gap of a round seal without load [m^3/s]."""
-        bore, gap = self.unsealed_rates
+        bore, gap = self.unsealed
         return min(bore, self.rougher * gap)
 
     @property
     def has_interval(self) -> bool:
         """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
         ends = self.leak_interval
-        made = any(one is not None for one in (self.leak_range, self.sample_ends, self.at_preload_ends))
-        return ends is not None and (made or ends.apart)
+        made = any(one is not None for one in (self.leak_range, self.sampled, self.at_preload_ends))
+        return ends is not None and (made or ends.is_range)
 
     @property
     def verdict(self) -> Verdict | None:
@@ -419,17 +417,17 @@ class CaseLoad(LoadResult):
     @property
     def pass_probability(self) -> float | None:
         """Share of the samples that keep the requirement; None where nothing is required."""
-        return None if self.pass_statistics is None else self.pass_statistics.share
+        return None if self.passing is None else self.passing.share
 
     @property
     def pass_probability_error(self) -> float | None:
         """Its standard error; None where nothing is required."""
-        return None if self.pass_statistics is None else self.pass_statistics.error
+        return None if self.passing is None else self.passing.error
 
     @property
     def batch_share_p05(self) -> float | None:
         """Share of a batch that passes with 95 % confidence; None where nothing is required."""
-        return None if self.pass_statistics is None else self.pass_statistics.batch_low
+        return None if self.passing is None else self.passing.batch_low
 
     @property
     def force_for_verdict(self) -> float | None:
@@ -472,11 +470,11 @@ def case_loads(
     models = {id(load.rough): load.rough for load in loads}
     ready = {key: model and prepare("", model) for key, model in models.items()}
     known = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
-    made = dict(zip(different, _add_scenarios(problem, known, prepare), strict=True))
+    made = dict(zip(different, _beside(problem, known, prepare), strict=True))
     return [made[id(load)] for load in loads]
 
 
-def _add_scenarios(
+def _beside(
     problem: SealProblem, loads: Sequence[LoadResult], prepare: Prepare, *, interval_alone: bool = False
 ) -> list[CaseLoad]:
     """Loads with the scenarios beside them, or with those alone of which the interval is made."""
@@ -488,7 +486,7 @@ def _add_scenarios(
         different = [number for number, other in enumerate(others) if other is not loads[number]]
         changed = [others[number] for number in different]
         if SCENARIOS[scenario.name].has_interval:
-            made = _add_scenarios(scenario.problem, changed, prepare, interval_alone=True)
+            made = _beside(scenario.problem, changed, prepare, interval_alone=True)
         else:
             made = list(map(CaseLoad.of, changed))
         for number, load in zip(different, made, strict=True):
@@ -506,7 +504,7 @@ def rate_of(load: CaseLoad) -> float | Bounds:
     ends = load.leak_interval
     if load.leak is None or ends is None:
         return math.nan
-    return ends if ends.apart else load.leak.leak_rate
+    return ends if ends.is_range else load.leak.leak_rate
 
 
 @dataclass(frozen=True)
@@ -523,11 +521,11 @@ class SolvedSeal:
     model : ContactModel
     loads : tuple of CaseLoad
         In the order of the case.
-    unloaded_bodies : UnloadedBodies or None
+    unloaded : UnloadedBodies or None
         Residual stress and imprint after the last load; None if all bodies are elastic.
-    missing_loads : tuple of MissingLoad
+    not_calculated : tuple of MissingLoad
         The other loads of the case.
-    missing_load_findings : tuple of Finding
+    said_of_missing : tuple of Finding
         Why, in words.
     other_parts : tuple of SolvedSeal
         The seal with each further contact that is solved by itself.
@@ -538,9 +536,9 @@ class SolvedSeal:
     seal_mesh: SealMesh
     model: ContactModel
     loads: tuple[CaseLoad, ...]
-    unloaded_bodies: UnloadedBodies | None = None
-    missing_loads: tuple[MissingLoad, ...] = ()
-    missing_load_findings: tuple[Finding, ...] = ()
+    unloaded: UnloadedBodies | None = None
+    not_calculated: tuple[MissingLoad, ...] = ()
+    said_of_missing: tuple[Finding, ...] = ()
     other_parts: tuple[SolvedSeal, ...] = ()
 
     @classmethod
@@ -563,7 +561,7 @@ class SolvedSeal:
                 evaluation.seal_mesh,  # type: ignore[arg-type]
                 evaluation.model,
                 of_part,
-                evaluation.solved.unloaded,
+                evaluation.solved_loads.unloaded,
             )
             for part, evaluation, of_part in zip(
                 case.parts, evaluations, zip(*(load.parts for load in loads), strict=True), strict=True
@@ -572,14 +570,14 @@ class SolvedSeal:
         return replace(first, loads=tuple(loads), other_parts=tuple(others))
 
     @property
-    def load_problems(self) -> dict[tuple[float, float], LoadProblem]:
+    def missing(self) -> dict[tuple[float, float], LoadProblem]:
         """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
-        return {one.point: one.problem for one in self.missing_loads}
+        return {one.point: one.problem for one in self.not_calculated}
 
     @property
     def every_load(self) -> list[AnyLoad]:
         """The loads of the case in its order, with those that could not be calculated."""
-        return in_order([*self.loads], self.missing_loads, lambda one: one)
+        return in_order([*self.loads], self.not_calculated, lambda one: one)
 
     @property
     def parts(self) -> tuple[SolvedSeal, ...]:
@@ -601,7 +599,7 @@ class SolvedSeal:
     @property
     def imprints(self) -> dict[str, Imprint]:
         """Lasting imprints by the name of the body, see `CaseLoad.named_bodies`."""
-        unloaded = [part.unloaded_bodies for part in (self, *self.other_parts)]
+        unloaded = [part.unloaded for part in (self, *self.other_parts)]
         return {
             name: after.imprints[body]
             for name, (number, body) in self.loads[0].named_bodies.items()
@@ -672,7 +670,7 @@ def _add_doubts(validity: Validity, mesh_error: float | None, own_error: Bounds)
         Factors on the leak rate between which direct simulation finds it.
     """
     # the interval holds what a simulation leaves open
-    known = list(validity.without(DIRECT_SCATTER).cautions)
+    known = list(validity.without_kinds(DIRECT_SCATTER).cautions)
     if mesh_error is not None and mesh_error > 0.0:
         factors = Bounds.factor_bounds(1.0 + mesh_error)
         known.append(Finding("mesh_left", Level.VALID, {"share": mesh_error}, factors))
@@ -712,10 +710,10 @@ def _combine_ends(
     by_threshold = before_sealing() if near else 0.0
     if near and not by_threshold and rate > 0.0:
         by_threshold = math.prod(near) * rate
-    most = doubts.without(NEARLY_SEALED, SEALED).leak_factor.high
+    most = doubts.without_kinds(NEARLY_SEALED, SEALED).leak_factor.high
     found = Bounds(ends.low * doubts.leak_factor.low, max(ends.high, rougher * by_threshold) * most)
     # faces that are lifted off, as at the least preload, have no gap that bounds what passes
-    if not found.apart or math.isinf(ends.high):
+    if not found.is_range or math.isinf(ends.high):
         return found
     limit = max(most_leak(), rate)
     return Bounds(min(found.low, limit), min(found.high, limit))

@@ -46,11 +46,11 @@ _VON_MISES = 0.558
 # Plastic strain over a/R that stands for that of a contact in the fully plastic range, and steps to its flow stress.
 _TABOR, _ITERATIONS = 0.2, 20
 # What samples, and the search for the force of a target, take over the path of the loads: measured on copper rings.
-_COST_OF_SAMPLES, _COST_OF_TARGET = 2.0, 2.0
+_SAMPLED, _TARGET = 2.0, 2.0
 
 
 @dataclass(frozen=True)
-class ClosedFormLoad:
+class DerivedLoad:
     """One load of a case with its closed pressure profiles.
 
     Parameters
@@ -86,7 +86,7 @@ class ClosedFormLoad:
 
 
 @dataclass(frozen=True)
-class ClosedForms:
+class Derived:
     """Closed-form numbers of a case.
 
     Parameters
@@ -106,7 +106,7 @@ class ClosedForms:
         corrected theory at the peak of the load with the largest contact force; None for a smooth interface.
     law_pressure : float or None
         p_c [Pa].
-    loads : tuple of ClosedFormLoad
+    loads : tuple of DerivedLoad
         One per fluid pressure.
     """
 
@@ -118,10 +118,10 @@ class ClosedForms:
     rms_slope: float | None
     decay_length: float | None
     law_pressure: float | None
-    loads: tuple[ClosedFormLoad, ...]
+    loads: tuple[DerivedLoad, ...]
 
 
-def derive(case: CaseSource) -> ClosedForms:
+def derive(case: CaseSource) -> Derived:
     """Closed-form numbers of a case: geometry, loads, and the Hertz, Gaussian and crossover profiles.
 
     Parameters
@@ -130,7 +130,7 @@ def derive(case: CaseSource) -> ClosedForms:
 
     Returns
     -------
-    ClosedForms
+    Derived
         With law "spectrum" an exponential stands for the law: that of the elastic spectrum at low pressure or, of
         the corrected theory, at each load the one that touches the law at the peak pressure.
 
@@ -150,17 +150,17 @@ def derive(case: CaseSource) -> ClosedForms:
     return derive_problems(problems_of(case_of(case)))
 
 
-def derive_problems(problems: Sequence[SealProblem]) -> ClosedForms:
+def derive_problems(problems: Sequence[SealProblem]) -> Derived:
     """`derive` of the problems of a seal.
 
     Parameters
     ----------
     problems : sequence of SealProblem
     """
-    return _derive_from_forces(problems, [None] * len(problems[0].loads.points))
+    return _derived(problems, [None] * len(problems[0].loads.points))
 
 
-def derive_beside(result: SolvedSeal) -> ClosedForms:
+def derive_beside(result: SolvedSeal) -> Derived:
     """Closed-form numbers to compare a result with: at a stop those of the force that it leaves to the gasket.
 
     Parameters
@@ -170,10 +170,10 @@ def derive_beside(result: SolvedSeal) -> ClosedForms:
     if result.of_profile:
         return derive(result.case)
     held = [load.contact_force if load.stop_force else None for load in result.loads]
-    return _derive_from_forces(problems_of(result.case), held)
+    return _derived(problems_of(result.case), held)
 
 
-def _derive_from_forces(problems: Sequence[SealProblem], held: Sequence[float | None]) -> ClosedForms:
+def _derived(problems: Sequence[SealProblem], held: Sequence[float | None]) -> Derived:
     """Of a contact force F_N for each load [N], or of the one that is expected; of several problems the first one's."""
     problem, surface = problems[0], problems[0].surface
     loads = tuple(
@@ -188,7 +188,7 @@ def _derive_from_forces(problems: Sequence[SealProblem], held: Sequence[float | 
         gap = float(law.gap(np.array([math.log(strongest.peak_pressure)]))[0])
         decay_length = strongest.u0
         law_pressure = strongest.peak_pressure * math.exp(gap / decay_length)
-    return ClosedForms(
+    return Derived(
         initial_contact_radius=problem.initial_contact_radius,
         effective_modulus=problem.effective_modulus,
         relative_radius=problem.contact.relative_radius,
@@ -201,13 +201,13 @@ def _derive_from_forces(problems: Sequence[SealProblem], held: Sequence[float | 
     )
 
 
-def closed_form_limits(case: Case, derived: ClosedForms) -> str:
+def closed_form_limits(case: Case, derived: Derived) -> str:
     """Why the closed forms are not what a run finds: a law or faces that change within the contact; "" if they are.
 
     Parameters
     ----------
     case : Case
-    derived : ClosedForms
+    derived : Derived
         Of the same case.
     """
     law = _stiffening_law(SealProblem.of(case))
@@ -234,12 +234,12 @@ def without_stop(case: Case) -> str:
     return sentence("closed_forms", "stop") if stops else ""
 
 
-def strain_limit(derived: ClosedForms) -> str:
+def strain_limit(derived: Derived) -> str:
     """From which load on the closed forms expect more than small strains; "" if from none.
 
     Parameters
     ----------
-    derived : ClosedForms
+    derived : Derived
     """
     for load in derived.loads:
         closed = load.crossover or load.hertz
@@ -250,12 +250,12 @@ def strain_limit(derived: ClosedForms) -> str:
     return ""
 
 
-def nearly_open(derived: ClosedForms) -> str:
+def nearly_open(derived: Derived) -> str:
     """Which loads the fluid carries on the sealed area, so that only a run decides about them; "" if there are none.
 
     Parameters
     ----------
-    derived : ClosedForms
+    derived : Derived
     """
     unit = fixed_unit("bar")
     carried = [load.fluid_pressure for load in derived.loads if math.isnan(load.contact_force)]
@@ -280,7 +280,7 @@ def _derive_load(
     held: float | None,
     *,
     profiles: bool,
-) -> ClosedFormLoad:
+) -> DerivedLoad:
     problem = problems[0]
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
@@ -291,7 +291,7 @@ def _derive_load(
         force, profiles = math.nan, False
     f = line_load(force, r0, problem.contact.angle)
     decay_length = _decay_length(problem, f) if profiles else None
-    return ClosedFormLoad(
+    return DerivedLoad(
         fluid_pressure=fluid_pressure,
         contact_force=force,
         line_load=f,
@@ -374,13 +374,13 @@ def widths(profiles: Sequence[Any]) -> FloatArray:
     return np.array([p.fwhm for p in profiles])
 
 
-def profile_sizes(result: SolvedSeal, derived: ClosedForms) -> dict[str, Sizes]:
+def profile_sizes(result: SolvedSeal, derived: Derived) -> dict[str, Sizes]:
     """Sizes of the "calculated" profiles and of each closed form that the case has, over its loads.
 
     Parameters
     ----------
     result : SolvedSeal
-    derived : ClosedForms
+    derived : Derived
         Closed forms of the case.
     """
     sizes = {"calculated": Sizes.of(result.profiles)}
@@ -391,17 +391,17 @@ def profile_sizes(result: SolvedSeal, derived: ClosedForms) -> dict[str, Sizes]:
     return sizes
 
 
-def foresee_findings(problem: SealProblem, derived: ClosedForms | None = None) -> Iterator[str]:
+def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[str]:
     """Loads that are not calculated, and bodies that yield though they are solved as elastic, one sentence for each.
 
     Parameters
     ----------
     problem : SealProblem
-    derived : ClosedForms, optional
+    derived : Derived, optional
         Of the same problem.
     """
     yield from (one.text for one in not_calculated(problem.loads, problem.loads.refused))
-    yield from foresee_yielding(problem, derived or derive_problems([problem]))
+    yield from yielding(problem, derived or derive_problems([problem]))
 
 
 def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = False) -> float | None:
@@ -415,28 +415,26 @@ def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = F
     target : bool
         With the force for a target leak rate.
     """
-    kept = problem.loads.without(problem.loads.refused)
+    kept = problem.loads.without_loads(problem.loads.refused)
     if not (problem.curves and kept.points):
         return None
-    return (1.0 + _COST_OF_SAMPLES * sampled + _COST_OF_TARGET * target) * _seconds(
-        replace(problem, loads=kept)
-    )
+    return (1.0 + _SAMPLED * sampled + _TARGET * target) * _seconds(replace(problem, loads=kept))
 
 
-def foresee_yielding(problem: SealProblem, derived: ClosedForms) -> Iterator[str]:
+def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
     """Bodies solved as elastic whose stress the closed forms expect above their yield stress.
 
     Parameters
     ----------
     problem : SealProblem
-    derived : ClosedForms
+    derived : Derived
     """
     closed = [(load.contact_force, load.line_load, load.crossover or load.hertz) for load in derived.loads]
     loads = sorted((one.peak_pressure, force, f) for force, f, one in closed if one is not None)
     if not loads:
         return
     # a body that yields lets no more through to the other one
-    loads = [(min(pressure, bearable_pressure(problem, f)), force, f) for pressure, force, f in loads]
+    loads = [(min(pressure, borne(problem, f)), force, f) for pressure, force, f in loads]
     peak, _, line_load = loads[-1]
     said: dict[str, list[str]] = {}
     for name, material in problem.materials.items():
@@ -469,7 +467,7 @@ def foresee_yielding(problem: SealProblem, derived: ClosedForms) -> Iterator[str
         yield f"{' and '.join(names)}: {text}"
 
 
-def bearable_pressure(problem: SealProblem, line_load: float) -> float:
+def borne(problem: SealProblem, line_load: float) -> float:
     """Pressure that bodies with a stress-strain curve bear in the fully plastic range [Pa]; infinite without one.
 
     The flow stress is that at a plastic strain of 0.2 a/R (Tabor, The Hardness of Metals, 1951).

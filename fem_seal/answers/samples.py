@@ -33,7 +33,7 @@ from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.evaluate import Batch, evaluate_many
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import TEST_GAS
-from fem_seal.seal.sources import NearSolved
+from fem_seal.seal.sources import NeighbourSource
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -172,7 +172,7 @@ def changed_surface(
     means, shape = dict(means or {}), {key: factors[key] for key in SHAPE if key in factors}
     key = self_affine_part(case.roughness)
     if shape and key is not None:
-        means[key] = _reshape(case, key, factors)
+        means[key] = _reshaped(case, key, factors)
     spectrum, peklenik = surface.spectrum, surface.peklenik
     if means or shares or shape:
         assert case.roughness is not None
@@ -187,7 +187,7 @@ def changed_surface(
     )
 
 
-def _reshape(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
+def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
     """Self-affine spectrum with other exponent or ends and the same rms height."""
     from leak import PowerSpectrum
 
@@ -283,14 +283,14 @@ class Samples:
         Inputs of each part of the seal, with the same value where they have the same name.
     uniform : ndarray, shape (samples, dimensions)
         Numbers between 0 and 1.
-    known_rates : KnownRates
+    calculated : KnownRates
         What has been calculated so far; samples of the same inputs with the same seed may share it.
     """
 
     seal: SolvedSeal
     of_parts: tuple[tuple[AnyInput, ...], ...]
     uniform: FloatArray
-    known_rates: KnownRates = field(default_factory=dict, repr=False)
+    calculated: KnownRates = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -351,7 +351,7 @@ class Samples:
         return np.array([_leak_rates(load) for load in self.seal.loads]).T
 
     @property
-    def evaluated_inputs(self) -> tuple[AnyInput, ...]:
+    def evaluated(self) -> tuple[AnyInput, ...]:
         """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
         return tuple(each for each in self.inputs if each.name != "viscosity")
 
@@ -368,25 +368,23 @@ class Samples:
     @cached_property
     def scores(self) -> FloatArray:
         """Variables of a polynomial, shape (samples, dimensions of `evaluated`)."""
-        parts = variables({each.name: each.shown(self.values[each.name]) for each in self.evaluated_inputs})
+        parts = variables({each.name: each.shown(self.values[each.name]) for each in self.evaluated})
         return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
 
     def columns(self, wanted: AnyInput) -> list[int]:
         """Columns of `scores` that belong to an input."""
-        first = sum(
-            each.dimensions for each in takewhile(lambda each: each is not wanted, self.evaluated_inputs)
-        )
+        first = sum(each.dimensions for each in takewhile(lambda each: each is not wanted, self.evaluated))
         return list(range(first, first + wanted.dimensions))
 
     def problems(self, number: int) -> tuple[SealProblem, ...]:
         """The problems of a sample, one for each part of the seal, with the viscosity of the case."""
         return tuple(
             sample_problem(part.problem, part.case, [(each, values[each.name][number]) for each in inputs])
-            for part, inputs, values in zip(self.seal.parts, self.of_parts, self._part_values, strict=True)
+            for part, inputs, values in zip(self.seal.parts, self.of_parts, self._drawn, strict=True)
         )
 
     @cached_property
-    def _part_values(self) -> list[dict[str, FloatArray]]:
+    def _drawn(self) -> list[dict[str, FloatArray]]:
         """Values of the inputs of each part."""
         ends = np.cumsum([each.dimensions for each in self.inputs], dtype=int)
         columns = {
@@ -419,20 +417,20 @@ class Samples:
         """
         loads = range(len(self.seal.loads)) if loads is None else loads
         whole = self.seal.problem.follows_path and (whole_paths or self.follow_paths)
-        new = [n for n in numbers if any((n, load, whole) not in self.known_rates for load in loads)]
+        new = [n for n in numbers if any((n, load, whole) not in self.calculated for load in loads)]
         at_once = 1 if whole else _AT_ONCE
         # the first one makes what all share
         parts = [new[:1], *(new[first : first + at_once] for first in range(1, len(new), at_once))]
 
         def evaluated(part: Sequence[int]) -> list[list[FloatArray] | ConvergenceError]:
-            return self._evaluate(part, loads, whole)
+            return self._evaluated(part, loads, whole)
 
         outcomes = [*map(evaluated, parts[:1]), *fork_map(evaluated, parts[1:])] if new else []
         for number, outcome in zip(new, (each for part in outcomes for each in part), strict=True):
             for place, load in enumerate(loads):
                 rates = outcome if isinstance(outcome, ConvergenceError) else outcome[place]
-                self.known_rates[number, load, whole] = rates
-        found = [[self.known_rates[n, load, whole] for load in loads] for n in numbers]
+                self.calculated[number, load, whole] = rates
+        found = [[self.calculated[n, load, whole] for load in loads] for n in numbers]
         none = np.full(self.of_case.shape[0], np.nan)
         rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in found]
         return np.array(rows).reshape(len(found), len(loads), -1).swapaxes(1, 2)
@@ -442,7 +440,7 @@ class Samples:
         """Whether some samples may fail: of a finish and of paths, whose extremes the bodies do not always bear."""
         return self.of_finish or self.seal.problem.follows_path
 
-    def converged_rows(self, rates: FloatArray, fewest: float = _FEWEST_CONVERGED) -> IntArray:
+    def converged(self, rates: FloatArray, fewest: float = _FEWEST_CONVERGED) -> IntArray:
         """Which rows of `leak_rates` are those of samples that converged.
 
         Parameters
@@ -458,27 +456,27 @@ class Samples:
         """
         rows = np.flatnonzero(~np.isnan(rates.reshape(len(rates), -1)).any(axis=1))
         if len(rows) < fewest * len(rates):
-            why = next(each for each in self.known_rates.values() if isinstance(each, ConvergenceError))
+            why = next(each for each in self.calculated.values() if isinstance(each, ConvergenceError))
             few = f"{len(rates) - len(rows)} of {len(rates)} samples did not converge"
             raise ConvergenceError(f"uncertainty: {few}, the first because {why}")
         return rows
 
-    def _evaluate(
+    def _evaluated(
         self, numbers: Sequence[int], loads: Sequence[int], whole: bool
     ) -> list[list[FloatArray] | ConvergenceError]:
         """Of each sample its leak rates at each load, or why there are none."""
         batch = Batch()
         sources = [
-            NearSolved(part.problem, part.model, part.seal_mesh, part.loads, tuple(loads), whole)
+            NeighbourSource(part.problem, part.model, part.seal_mesh, part.loads, tuple(loads), whole)
             for part in self.seal.parts
         ]
-        problems = batch.each(numbers, self.problems)
+        problems = batch.map(numbers, self.problems)
         found = evaluate_many(problems, dict.fromkeys(problems, sources), batch)
 
         def leak_rates(number: int) -> list[FloatArray]:
             return list(map(_leak_rates, loads_of(found[number])))
 
-        rates = batch.each(found, leak_rates)
+        rates = batch.map(found, leak_rates)
         for error in batch.failed.values():
             if not isinstance(error, ConvergenceError):
                 raise error

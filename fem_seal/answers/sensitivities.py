@@ -28,17 +28,17 @@ from fem_seal.seal.evaluate import Batch, Evaluation, evaluate_many, evaluate_se
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
-from fem_seal.seal.sources import Shared, Source
+from fem_seal.seal.sources import SharedBodies, Source
 from fem_seal.validity.checks import validity_of
 from leak import LeakError
 from meshes import GeometryError, MeshingError
 
 # Relative step of the local exponent of what costs a surface, and of a force.
-_SMALL_STEP, _SMALL_FORCE = 0.02, 0.01
+_SMALL, _SMALL_FORCE = 0.02, 0.01
 # The same of a path, whose load steps leave some parts in ten thousand of the width.
 _SMALL_PATH = 0.05
 # Steps that are told: of the applied force; of heights, hardness, modulus and roll-off; of the Hurst exponent.
-_FORCE, _DOUBLE, _HURST = 1.1, 2.0, 1.1
+_FORCE, _TWICE, _HURST = 1.1, 2.0, 1.1
 _LARGEST_HURST = 1.0
 # Of lengths the largest round number up to this share; of angles this many.
 _OF_LENGTH, _OF_ANGLE = 0.07, math.radians(5.0)
@@ -60,7 +60,7 @@ _AT_CONTACT = {
     },
 }
 # Those that a drawing has even where the case leaves them open.
-_DRAWN_KEYS = {"land_width", "edge_radius"}
+_ALWAYS = {"land_width", "edge_radius"}
 # Both edges of a ring, and what they are changed as: its middle, its width.
 _RINGS = {
     ("closure", "inner_radius", "outer_radius"): ("mean_radius", "face_width"),
@@ -72,7 +72,7 @@ _MATERIALS = ("316L", "stellite 6", "aluminium bronze C95400")
 _NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
 # Largest ratio of leak rates that is told as less, and the ratio up to which it is the same.
 _CUTS, _SAME = 0.97, 1.001
-_STATUS = "what changes the leak rate most"
+_DOING = "what changes the leak rate most"
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, ArithmeticError)
 
 # Changes that are evaluated side by side.
@@ -173,7 +173,7 @@ def sensitivities(
     tell = progress if progress is not None and not can_copy() else lambda text: None
 
     def found(changes: Sequence[_Change]) -> list[Sensitivity | None]:
-        tell(_STATUS)
+        tell(_DOING)
         return changed.sensitivities(changes)
 
     changes = list(changed.changes())
@@ -182,7 +182,7 @@ def sensitivities(
     everywhere = _ChangedSeal(result, (*(n for n in judged if n != number), number))
     for place, one in enumerate(every):
         if one.drawn and one.strength > 0.0 and max(one.ratio) <= _CUTS:
-            tell(_STATUS)
+            tell(_DOING)
             every[place] = one = replace(one, helps=everywhere.helps(one))
             if one.helps:
                 break
@@ -217,7 +217,7 @@ class _Change:
     of: float | None = None
     material: str = ""
 
-    def value_after(self, factor: float) -> float | None:
+    def after(self, factor: float) -> float | None:
         """Value after a step [SI]."""
         if self.before is None:
             return None
@@ -245,7 +245,7 @@ class _ChangedSeal:
 
     @cached_property
     def source(self) -> Source:
-        return Shared(tables=FlowModel.short_table)
+        return SharedBodies(tables=FlowModel.short_table)
 
     @cached_property
     def case(self) -> Case:
@@ -276,14 +276,12 @@ class _ChangedSeal:
     def _at_load(self, problems: Problems, more_force: float = 0.0) -> Problems:
         """Problems with the loads in question, after those that have a say in them."""
         every, more = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
-        points = tuple(
-            (every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved_numbers(problems[0])
-        )
+        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved(problems[0]))
         # bolts keep the force that they have at this load
         loads = replace(problems[0].loads, points=points, refused={}, target_leak_rate=None)
         return under_loads(problems, replace(loads, solved=True, tightened=()))
 
-    def _solved_numbers(self, problem: SealProblem) -> tuple[int, ...]:
+    def _solved(self, problem: SealProblem) -> tuple[int, ...]:
         """Numbers of the loads that are solved, those in question at the end.
 
         Bodies that yield remember the loads before them; a tolerance is filled as at the highest of all.
@@ -305,9 +303,9 @@ class _ChangedSeal:
         change = next(change for change in self.changes() if (change.key, change.material) == same)
         with suppress(*_FAILURES):
             problems = change.problems(one.factor)
-            found = evaluate_seal(problems, Shared(tables=FlowModel.short_table, stress=True))
-            missing = found[0].solved.problems
-            solved = [n for at, n in enumerate(self._solved_numbers(problems[0])) if at not in missing]
+            found = evaluate_seal(problems, SharedBodies(tables=FlowModel.short_table, stress=True))
+            missing = found[0].solved_loads.problems
+            solved = [n for at, n in enumerate(self._solved(problems[0])) if at not in missing]
             loads = dict(zip(solved, loads_of(found), strict=True))
             return all(
                 n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
@@ -318,7 +316,7 @@ class _ChangedSeal:
         rates = zip(_rates_of(load), _rates_of(before), strict=True)
         leaks_more = any(not after <= own * _SAME for after, own in rates)
         return not leaks_more and (
-            before.validity.outside or not load.validity_by(validity_of, found).outside
+            before.validity.outside_theory or not load.validity_by(validity_of, found).outside_theory
         )
 
     def _rates(self, problems: Problems, found: Sequence[Evaluation]) -> Rates:
@@ -358,7 +356,7 @@ class _ChangedSeal:
         self, change: _Change, small: float, near: Rates, factor: float, far: Rates
     ) -> Sensitivity | None:
         """From the leak rates after a small step up and after the step that is told."""
-        after = change.value_after(factor)
+        after = change.after(factor)
         if not len(near) == len(far) == len(self.rates) or (
             change.key == "hurst" and after is not None and after > _LARGEST_HURST
         ):
@@ -393,10 +391,10 @@ class _ChangedSeal:
     def _rates_after(self, factors: Mapping[_Change, float]) -> dict[_Change, Rates]:
         """Leak rates after each of some changes by a factor; none where they cannot be calculated."""
         changes, batch = list(factors), Batch()
-        problems = batch.each(range(len(changes)), lambda n: changes[n].problems(factors[changes[n]]))
+        problems = batch.map(range(len(changes)), lambda n: changes[n].problems(factors[changes[n]]))
         sources = {n: (self.source,) * len(each) for n, each in problems.items()}
         found = evaluate_many(problems, sources, batch)
-        rates = batch.each(found, lambda n: self._rates(problems[n], found[n]))
+        rates = batch.map(found, lambda n: self._rates(problems[n], found[n]))
         for error in batch.failed.values():
             if not isinstance(error, _FAILURES):
                 raise error
@@ -407,7 +405,7 @@ class _ChangedSeal:
         yield self._force()
         yield from self._surface()
         if self.problem.form is not None and (self.problem.form.waves or self.problem.form.tolerance):
-            yield _Change("form", 1.0 / _DOUBLE, partial(self._with_surface, "form"))
+            yield _Change("form", 1.0 / _TWICE, partial(self._with_surface, "form"))
         yield from self._dimensions()
         yield from self._materials()
 
@@ -432,24 +430,22 @@ class _ChangedSeal:
         drawn = self._drawn
         steps: dict[str, tuple[float, float | None]] = {
             "rms_height": (
-                _DOUBLE,
+                _TWICE,
                 None if drawn or len(self.case.contacts) > 1 else surface.spectrum.rms_height,
             ),
-            "youngs_modulus": (_DOUBLE, None),
+            "youngs_modulus": (_TWICE, None),
         }
         if surface.hardness is not None:
-            steps["hardness"] = _DOUBLE, surface.hardness
+            steps["hardness"] = _TWICE, surface.hardness
         part = self_affine_part(roughness)
         if part is not None:
             given = roughness.parts[part]
             steps["hurst"] = _HURST, getattr(given, "hurst", None)
-            steps["q_rolloff"] = _DOUBLE, getattr(given, "q_rolloff", None)
+            steps["q_rolloff"] = _TWICE, getattr(given, "q_rolloff", None)
         for key, (step, value) in steps.items():
-            yield _Change(key, step, partial(self._with_surface, key), _SMALL_STEP, value)
+            yield _Change(key, step, partial(self._with_surface, key), _SMALL, value)
         for path, value in drawn.items() if len(drawn) > 1 else ():
-            yield _Change(
-                path, 1.0 / _DOUBLE, partial(self._with_entries, {path: value}, value), before=value
-            )
+            yield _Change(path, 1.0 / _TWICE, partial(self._with_entries, {path: value}, value), before=value)
 
     @cached_property
     def _drawn(self) -> dict[str, float]:
@@ -477,7 +473,7 @@ class _ChangedSeal:
         Half of a drawing's value may be measured with another filter, and stand for other waves. A small change of it
         is one of heights alone: the filters change in steps.
         """
-        if key == "rms_height" and factor == 1.0 / _DOUBLE and self._drawn:
+        if key == "rms_height" and factor == 1.0 / _TWICE and self._drawn:
             halved = {path: factor * value for path, value in self._drawn.items()}
             return self._at_load(problems_of(self.case.replace(halved)))
         parts = zip(self.problems, self.case.parts, strict=True)
@@ -527,7 +523,7 @@ class _ChangedSeal:
                 if marker is None or key not in _AT_CONTACT[body.name]:
                     continue
                 given = getattr(body.table, key)
-                value = getattr(body.shape, key, None) if given is None and key in _DRAWN_KEYS else given
+                value = getattr(body.shape, key, None) if given is None and key in _ALWAYS else given
                 if value:
                     yield f"{body.key}.{key}", marker.dimension, value
 
@@ -584,7 +580,7 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Sensitivity, ...]:
     judged = VERDICT.of(request.answers).seal
     if judged is None:
         return sensitivities(seal, None, request.clock.progress, range(len(seal.loads)))
-    return sensitivities(seal, judged.number, request.clock.progress, judged.load_numbers)
+    return sensitivities(seal, judged.number, request.clock.progress, judged.judged)
 
 
 SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
@@ -594,7 +590,7 @@ SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
     (),
     # of a path of loads they take as long as some twenty paths: only if they are asked for
     lambda seal, request: bool(request.sensitivities) or not seal.problem.follows_path,
-    status=_STATUS,
+    doing=_DOING,
     # among the times of summary.json
     clock="levers",
     asked_by="sensitivities",

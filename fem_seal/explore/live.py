@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.answer import Request, loads_of
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.opening import OPENING
-from fem_seal.answers.solution import SealSolution, answer_parts
+from fem_seal.answers.solution import SealSolution, answered
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.explore.screen import Screen, screen_of, shown_load
 from fem_seal.seal.cost import load_seconds
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate_seal
 from fem_seal.seal.heating import warmed
-from fem_seal.seal.kept import Kept
+from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
-from fem_seal.seal.sources import Rounding, Shared
+from fem_seal.seal.sources import MeshRounding, SharedBodies
 from fem_seal.validity.checks import validity_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _LIVE_LOADS, _LIVE_LOADS_OF_GAS = 5, 3
 _FILLS, _FEW, _SHARES = 0.1, 3, (0.2, 0.4, 0.6, 0.8)
 # Steps of the sizes in the logarithm to base 2, and how much coarser the elements are than those of a run, chosen for
 # its numbers to 4e-4.
-SOURCE = Shared(Rounding(0.5, 0.5, along=1.41, deep=2.1, touching=1.41, edges=2.0), Kept(96))
+SOURCE = SharedBodies(MeshRounding(0.5, 0.5, along=1.41, deep=2.1, touching=1.41, edges=2.0), KeyedStore(96))
 
 
 def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
@@ -54,21 +54,21 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     whole, numbers = problems[0], live_loads(problems[0])
     evaluations, count = solve_live_loads(case, problems, numbers)
     # the interval of every load is as wide as what its checks find
-    seal = answer_parts(
+    seal = answered(
         SolvedSeal.of(evaluations, case, loads_of(evaluations)),
         request := Request(evaluations[0].solver, SILENT),
         [OPENING],
     )
     loads = [load.with_values(validity=load.validity_by(validity_of, evaluations)) for load in seal.loads]
     failures = {
-        numbers[n]: problem for n, problem in evaluations[0].solved.problems.items() if n < len(numbers)
+        numbers[n]: problem for n, problem in evaluations[0].solved_loads.problems.items() if n < len(numbers)
     }
     missing_loads = [
         MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)
         for n, problem in sorted({**whole.loads.refused, **failures}.items())
     ]
-    seal = answer_parts(
-        replace(seal, loads=tuple(loads[:count]), missing_loads=tuple(missing_loads)), request, [VERDICT]
+    seal = answered(
+        replace(seal, loads=tuple(loads[:count]), not_calculated=tuple(missing_loads)), request, [VERDICT]
     )
     solution = SealSolution(**vars(seal), answers=request.answers)
     return screen_of(solution, design, curve_loads=tuple(shown_load(load, case) for load in loads[count:]))
@@ -107,14 +107,14 @@ def solve_live_loads(
     """
     whole = problems[0]
     others = [number for number in range(len(whole.loads.points)) if number not in numbers]
-    loads = replace(whole.loads.without(others), target_leak_rate=None)
+    loads = replace(whole.loads.without_loads(others), target_leak_rate=None)
     if load_seconds(case) < _FILLS:
         # of a gas, and of a seal that is not round, each takes several times as long
         shares = _SHARES if case.form is None and not _of_gas(whole) else (0.5,)
         fill = _fill_curve(loads.points, shares, _FEW if case.form is None else 1)
         loads = replace(loads, points=(*loads.points, *fill))
     evaluations = evaluate_seal(under_loads(problems, loads), SOURCE)
-    return evaluations, len(numbers) - sum(number < len(numbers) for number in evaluations[0].solved.failures)
+    return evaluations, len(numbers) - sum(n < len(numbers) for n in evaluations[0].solved_loads.failures)
 
 
 def _of_gas(problem: SealProblem) -> bool:

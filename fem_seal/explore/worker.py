@@ -25,7 +25,7 @@ from fem_seal.errors import InputError, SealError, defect_text
 from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
 from fem_seal.explore.session import WRONG, Calculate, Session
 from fem_seal.processes import can_copy
-from fem_seal.seal.kept import Kept
+from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
@@ -269,7 +269,7 @@ def with_sensitivities(result: SealResult, progress: Progress) -> SealResult:
         sensitivities=True,
         answers=dict(result.answers),
     )
-    return result.with_answers(sensitivities=SENSITIVITIES.compute_or_fall_back(result, request))
+    return result.answered(sensitivities=SENSITIVITIES.found(result, request))
 
 
 def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bool = False) -> Screen:
@@ -307,7 +307,7 @@ class Answers:
         self.session = self.newest = session
         self._sessions = {"": session}
         self._calculate = calculate or self._calculate_apart
-        self._live, self._complete = Kept(_SCREENS), Kept(_SCREENS)
+        self._live, self._complete = KeyedStore(_SCREENS), KeyedStore(_SCREENS)
         self._lock, self._answering = RLock(), RLock()
         # the newest question of each page; grows with everything that a page may be waiting for
         self._newest: dict[str, int] = {}
@@ -360,7 +360,7 @@ class Answers:
         if self.newest is not self.session or self._first.ident is None:
             return None
         self._first.join(limit)
-        first = self._live.known(_name(self.session.design({})))
+        first = self._live.find(_name(self.session.design({})))
         return None if first is None else self._with_run(first)
 
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
@@ -386,7 +386,7 @@ class Answers:
         session = self.of(design)
         design = session.design(design)
         with self._answering:
-            live: Screen | None = self._live.known(_name(design))
+            live: Screen | None = self._live.find(_name(design))
             if live is None:
                 live = session.answer(design, self._calculate)
                 if not live.problem:
@@ -428,7 +428,7 @@ class Answers:
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
         """The screen of a design's complete run, if it is there."""
-        screen: Screen | None = self._complete.known(_name(self.of(design).design(design)))
+        screen: Screen | None = self._complete.find(_name(self.of(design).design(design)))
         return screen
 
     def failure_reason(self, design: Mapping[str, str]) -> str:

@@ -23,14 +23,14 @@ from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
-from fem_seal.seal.sources import EXACT, NearSolved, Source
+from fem_seal.seal.sources import OWN_BODIES, NeighbourSource, Source
 from meshes import MeshingError, SealMesh
 
 if TYPE_CHECKING:
     pass
 
 T = TypeVar("T")
-Asked = TypeVar("Asked")
+Q = TypeVar("Q")
 
 # What a body does not bear it does not bear on a finer mesh, where load steps are no longer either.
 _ON_ANY_MESH = (LimitLoadError, LongPathError)
@@ -39,7 +39,7 @@ _ON_ANY_MESH = (LimitLoadError, LongPathError)
 Turn: TypeAlias = Callable[[int | None], AbstractContextManager[None]]
 
 
-def untimed(number: int | None) -> AbstractContextManager[None]:
+def without_time_limit(number: int | None) -> AbstractContextManager[None]:
     """No-op: no time limit."""
     return nullcontext()
 
@@ -56,17 +56,17 @@ class Batch:
     Examples
     --------
     >>> batch = Batch()
-    >>> batch.each([0, 1, 2], lambda number: 1 / number)
+    >>> batch.map([0, 1, 2], lambda number: 1 / number)
     {1: 1.0, 2: 0.5}
     >>> batch.failed
     {0: ZeroDivisionError('division by zero')}
     """
 
-    turn: Turn = untimed
+    turn: Turn = without_time_limit
     seconds: dict[int, float] = field(default_factory=dict)
     failed: dict[int, Exception] = field(default_factory=dict)
 
-    def each(self, numbers: Iterable[int], step: Callable[[int], T]) -> dict[int, T]:
+    def map(self, numbers: Iterable[int], step: Callable[[int], T]) -> dict[int, T]:
         """What a step finds for each design that has not failed; one that fails now is left out from here on.
 
         Parameters
@@ -75,55 +75,55 @@ class Batch:
         step : callable
             Given the number of a design.
         """
-        found: dict[int, T] = {}
+        results: dict[int, T] = {}
         for number in numbers:
             if number in self.failed:
                 continue
             start = time.perf_counter()
             with self.turn(number):
                 try:
-                    found[number] = step(number)
+                    results[number] = step(number)
                 except Exception as error:  # its own affair: the others go on
                     self.failed[number] = error
-            self._spent(number, time.perf_counter() - start)
-        return found
+            self._add_time(number, time.perf_counter() - start)
+        return results
 
-    def at_once(
-        self, asked: Mapping[int, Asked], answers: Callable[[Sequence[Asked]], Sequence[T | Exception]]
+    def answer_together(
+        self, questions: Mapping[int, Q], answer: Callable[[Sequence[Q]], Sequence[T | Exception]]
     ) -> dict[int, T | Exception]:
         """Answers to what designs ask, found for all of them at once; an error is the answer of the one it belongs to.
 
         Parameters
         ----------
-        asked : mapping
+        questions : mapping
             By the number of the design.
-        answers : callable
+        answer : callable
             Given all that is asked.
         """
-        if not asked:
+        if not questions:
             return {}
         start = time.perf_counter()
-        with self.turn(next(iter(asked)) if len(asked) == 1 else None):
-            found = _answers(list(asked.values()), answers)
-        for number in asked:
-            self._spent(number, (time.perf_counter() - start) / len(asked))
-        return dict(zip(asked, found, strict=True))
+        with self.turn(next(iter(questions)) if len(questions) == 1 else None):
+            results = _answer(list(questions.values()), answer)
+        for number in questions:
+            self._add_time(number, (time.perf_counter() - start) / len(questions))
+        return dict(zip(questions, results, strict=True))
 
-    def _spent(self, number: int, seconds: float) -> None:
+    def _add_time(self, number: int, seconds: float) -> None:
         self.seconds[number] = self.seconds.get(number, 0.0) + seconds
 
 
-def _answers(
-    asked: Sequence[Asked], answers: Callable[[Sequence[Asked]], Sequence[T | Exception]]
+def _answer(
+    questions: Sequence[Q], answer: Callable[[Sequence[Q]], Sequence[T | Exception]]
 ) -> list[T | Exception]:
     try:
-        return list(answers(asked))
+        return list(answer(questions))
     except Exception as error:
-        return [error] if len(asked) == 1 else [found for one in asked for found in _answers([one], answers)]
+        return [error] if len(questions) == 1 else [r for q in questions for r in _answer([q], answer)]
 
 
-def _but(every: Sequence[T], gone: Collection[int]) -> Sequence[T]:
-    return [one for place, one in enumerate(every) if place not in gone]
+def _leave_out(items: Sequence[T], places: Collection[int]) -> Sequence[T]:
+    return [item for place, item in enumerate(items) if place not in places]
 
 
 # Tells nobody what is being done.
@@ -138,23 +138,23 @@ class Evaluation:
     ----------
     problem : SealProblem
         Without the loads that could not be solved; its form error knows how many waves its tolerance holds.
-    solved : SolvedLoads
+    solved_loads : SolvedLoads
         Contacts of its loads, and why others have none.
     model : ContactModel
     seal_mesh : SealMesh or None
         None where the bodies are shared.
     source : Source
         Where bodies and flow conductivities come from.
-    asked : Loads
+    all_loads : Loads
         Of the problem before any was left out.
     """
 
     problem: SealProblem
-    solved: SolvedLoads
+    solved_loads: SolvedLoads
     model: ContactModel
     seal_mesh: SealMesh | None
     source: Source
-    asked: Loads
+    all_loads: Loads
 
     @cached_property
     def solver(self) -> LoadSolver:
@@ -164,33 +164,32 @@ class Evaluation:
     @property
     def missing(self) -> dict[tuple[float, float], LoadProblem]:
         """Fluid pressure [Pa] and applied force [N] of each load without a contact, with the reason."""
-        return {self.asked.points[number]: one for number, one in self.solved.problems.items()}
+        return {self.all_loads.points[n]: problem for n, problem in self.solved_loads.problems.items()}
 
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
         """Each load with the contact that was found."""
-        return self.solved.results(self.problem, self.problem.loads.points, self.source.table)
+        return self.solved_loads.results(self.problem, self.problem.loads.points, self.source.table)
 
-    def without(self, failures: Mapping[int, Exception]) -> Evaluation:
+    def without_failures(self, failures: Mapping[int, Exception]) -> Evaluation:
         """Without some more of the loads that were asked for, by their numbers."""
-        found = [number for number in range(len(self.asked.points)) if number not in self.solved.failures]
-        gone = {place for place, number in enumerate(found) if number in failures}
-        if not gone:
+        numbers = [n for n in range(len(self.all_loads.points)) if n not in self.solved_loads.failures]
+        places = {place for place, n in enumerate(numbers) if n in failures}
+        if not places:
             return self
-        solved = replace(
-            self.solved,
-            contacts=_but(self.solved.contacts, gone),
-            circumferences=_but(self.solved.circumferences, gone),
-            failures=dict(sorted({**failures, **self.solved.failures}.items())),
+        loads = replace(
+            self.solved_loads,
+            contacts=_leave_out(self.solved_loads.contacts, places),
+            circumferences=_leave_out(self.solved_loads.circumferences, places),
+            failures=dict(sorted({**failures, **self.solved_loads.failures}.items())),
         )
-        if not solved.contacts:
-            raise _no_load_left(self.problem, solved)
-        return replace(
-            self, problem=replace(self.problem, loads=self.problem.loads.without(gone)), solved=solved
-        )
+        if not loads.contacts:
+            raise _no_load_error(self.problem, loads)
+        problem = replace(self.problem, loads=self.problem.loads.without_loads(places))
+        return replace(self, problem=problem, solved_loads=loads)
 
 
-def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT) -> Evaluation:
+def evaluate(problem: SealProblem, source: Source = OWN_BODIES, clock: Clock = SILENT) -> Evaluation:
     """Solve all loads of a problem on a mesh whose zone and element sizes fit what was found on it.
 
     Parameters
@@ -219,12 +218,12 @@ def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT
     >>> print(f"{load.contact.profile.peak_pressure / 1e6:.0f} MPa")
     192 MPa
     """
-    (found,) = evaluate_seal((problem,), source, clock)
-    return found
+    (evaluation,) = evaluate_seal((problem,), source, clock)
+    return evaluation
 
 
 def evaluate_seal(
-    problems: Sequence[SealProblem], source: Source = EXACT, clock: Clock = SILENT
+    problems: Sequence[SealProblem], source: Source = OWN_BODIES, clock: Clock = SILENT
 ) -> tuple[Evaluation, ...]:
     """`evaluate` of all problems of one seal, see `fem_seal.seal.problem.problems_of`, under the loads that all carry.
 
@@ -234,10 +233,10 @@ def evaluate_seal(
         See `evaluate`.
     """
     batch = Batch()
-    found = evaluate_many({0: problems}, {0: (source,) * len(problems)}, batch, clock)
+    evaluations = evaluate_many({0: problems}, {0: (source,) * len(problems)}, batch, clock)
     for error in batch.failed.values():
         raise error
-    return found[0]
+    return evaluations[0]
 
 
 def evaluate_many(
@@ -257,65 +256,68 @@ def evaluate_many(
     clock : Clock
         Told what is being done.
     """
-    found: dict[int, list[Evaluation]] = {n: [] for n in problems}
+    evaluations: dict[int, list[Evaluation]] = {n: [] for n in problems}
     for place in range(max(map(len, problems.values()), default=0)):
         due = [n for n in problems if place < len(problems[n]) and n not in batch.failed]
         if place and due:
             label = problems[due[0]][place].contact.label_of("closure")
             clock.progress(f"the contact of the {label}")
-        own = {n: sources[n][place] for n in due}
-        for n, evaluation in _evaluated({n: problems[n][place] for n in due}, own, batch, clock).items():
-            found[n].append(evaluation)
-    return batch.each(found, lambda n: _under_common_loads(found[n]))
+        seal_sources = {n: sources[n][place] for n in due}
+        seal_problems = {n: problems[n][place] for n in due}
+        for n, evaluation in _evaluate_problems(seal_problems, seal_sources, batch, clock).items():
+            evaluations[n].append(evaluation)
+    return batch.map(evaluations, lambda n: _restrict_to_common_loads(evaluations[n]))
 
 
-def _under_common_loads(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
+def _restrict_to_common_loads(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
     """Evaluations of one seal under the loads that all of them can carry."""
-    failures = {n: error for each in evaluations for n, error in each.solved.failures.items()}
-    return tuple(evaluation.without(failures) for evaluation in evaluations)
+    failures = {n: error for part in evaluations for n, error in part.solved_loads.failures.items()}
+    return tuple(evaluation.without_failures(failures) for evaluation in evaluations)
 
 
-def _evaluated(
+def _evaluate_problems(
     problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock
 ) -> dict[int, Evaluation]:
-    near = {n: source for n in problems if isinstance(source := sources[n], NearSolved)}
-    others = {n: problem for n, problem in problems.items() if n not in near}
-    found = _near_solved({n: problems[n] for n in near}, near, batch) if near else {}
-    return found | (_on_own_meshes(others, sources, batch, clock) if others else {})
+    neighbours = {n: source for n in problems if isinstance(source := sources[n], NeighbourSource)}
+    others = {n: problem for n, problem in problems.items() if n not in neighbours}
+    near = {n: problems[n] for n in neighbours}
+    evaluations = _evaluate_near_solved(near, neighbours, batch) if near else {}
+    return evaluations | (_evaluate_on_own_meshes(others, sources, batch, clock) if others else {})
 
 
-def _near_solved(
-    problems: Mapping[int, SealProblem], sources: Mapping[int, NearSolved], batch: Batch
+def _evaluate_near_solved(
+    problems: Mapping[int, SealProblem], sources: Mapping[int, NeighbourSource], batch: Batch
 ) -> dict[int, Evaluation]:
     """On the bodies of the solved seal, and from its contacts: all that move are pressed together."""
-    problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
-    models = batch.each(problems, lambda n: sources[n].model(problems[n]))
-    pressed = _pressed(batch.each(models, lambda n: sources[n].pressings(problems[n], models[n])), batch)
+    problems = batch.map(problems, lambda n: sources[n].problem(problems[n]))
+    models = batch.map(problems, lambda n: sources[n].model(problems[n]))
+    pressings = batch.map(models, lambda n: sources[n].pressings(problems[n], models[n]))
+    contacts = _press(pressings, batch)
 
-    def solved(number: int) -> Evaluation:
+    def evaluate_near(number: int) -> Evaluation:
         problem, source, model = problems[number], sources[number], models[number]
-        loads = source.solve(problem, model, pressed.get(number, {}))
+        loads = source.solve(problem, model, contacts.get(number, {}))
         every = range(len(problem.loads.points))
-        asked = replace(problem, loads=problem.loads.without(set(every) - set(source.numbers)))
-        return Evaluation(_solved_part(asked, loads), loads, model, None, source, asked.loads)
+        whole = replace(problem, loads=problem.loads.without_loads(set(every) - set(source.numbers)))
+        return Evaluation(_solved_part(whole, loads), loads, model, None, source, whole.loads)
 
-    return batch.each(models, solved)
+    return batch.map(models, evaluate_near)
 
 
-def _on_own_meshes(
+def _evaluate_on_own_meshes(
     problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock
 ) -> dict[int, Evaluation]:
-    sources = {number: sources[number].suited(problem) for number, problem in problems.items()}
-    problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
+    sources = {number: sources[number].source_for(problem) for number, problem in problems.items()}
+    problems = batch.map(problems, lambda n: sources[n].problem(problems[n]))
 
-    def begun(number: int) -> MeshFit:
+    def begin_fit(number: int) -> MeshFit:
         problem = problems[number]
         size_given = problem.contact_size is not None
         return MeshFit.begin(sizing(problem), problem.contact, size_given=size_given)
 
-    done: dict[int, Evaluation] = {}
+    evaluations: dict[int, Evaluation] = {}
 
-    def with_bodies(number: int, fit: MeshFit) -> tuple[LoadSolver, SealMesh | None] | MeshingError:
+    def make_bodies(number: int, fit: MeshFit) -> tuple[LoadSolver, SealMesh | None] | MeshingError:
         problem = problems[number]
         assert fit.sizing is not None  # of those that want a mesh
         try:
@@ -324,108 +326,111 @@ def _on_own_meshes(
             return error
         return LoadSolver(problem, model, settings=sources[number].settings), seal_mesh
 
-    # what is left to be found on a mesh of which is known already that another one is wanted
-    put_off: dict[int, Callable[[], MeshFit]] = {}
+    # what is left to solve on a mesh that is known already to be followed by another one
+    postponed_fits: dict[int, Callable[[], MeshFit]] = {}
 
-    def looked_at(
-        number: int, fit: MeshFit, made: tuple[LoadSolver, SealMesh | None] | MeshingError, known: Pressed
-    ) -> MeshFit:
-        if isinstance(made, MeshingError):
-            return put_off.pop(number)() if number in put_off else fit.with_outcome(made)
-        find = partial(found_on, number, fit, made, known)
-        round_ones = [one for one in known.values() if isinstance(one, ContactSolution)]
-        if problems[number].form is not None and round_ones and len(round_ones) == len(known):
-            after = fit.with_outcome(round_ones)
-            if after.sizing is not None:
-                put_off[number] = find
-                return after
-        put_off.pop(number, None)
-        return find(leave=partial(_in_vain, fit))
-
-    def found_on(
+    def finish_fit(
         number: int,
         fit: MeshFit,
-        made: tuple[LoadSolver, SealMesh | None],
-        known: Pressed,
+        bodies: tuple[LoadSolver, SealMesh | None] | MeshingError,
+        contacts: Contacts,
+    ) -> MeshFit:
+        if isinstance(bodies, MeshingError):
+            return postponed_fits.pop(number)() if number in postponed_fits else fit.with_outcome(bodies)
+        solve = partial(solve_on_mesh, number, fit, bodies, contacts)
+        round_contacts = [contact for contact in contacts.values() if isinstance(contact, ContactSolution)]
+        if problems[number].form is not None and round_contacts and len(round_contacts) == len(contacts):
+            next_fit = fit.with_outcome(round_contacts)
+            if next_fit.sizing is not None:
+                postponed_fits[number] = solve
+                return next_fit
+        postponed_fits.pop(number, None)
+        return solve(leave=partial(_needs_fit, fit))
+
+    def solve_on_mesh(
+        number: int,
+        fit: MeshFit,
+        bodies: tuple[LoadSolver, SealMesh | None],
+        contacts: Contacts,
         leave: Leave | None = None,
     ) -> MeshFit:
-        solver, seal_mesh = made
-        solved = solve_loads(solver, clock.progress, known, leave=leave)
-        unconverged = [
+        solver, seal_mesh = bodies
+        loads = solve_loads(solver, clock.progress, contacts, leave=leave)
+        errors = [
             error
-            for error in solved.failures.values()
+            for error in loads.failures.values()
             if isinstance(error, ConvergenceError) and not isinstance(error, _ON_ANY_MESH)
         ]
-        if unconverged and not (fit.is_refined or fit.size_given):
+        if errors and not (fit.is_refined or fit.size_given):
             # a load that does not converge is tried on a finer mesh once, before the others go on without it
             clock.progress(
                 _ANEW.format(why="a load does not converge on this mesh", how="half the element size")
             )
-            return fit.with_outcome(unconverged[0])
-        after = fit.with_outcome(solved.all_contacts) if solved.all_contacts else fit
-        if solver.yields and after.sizing is not None and solved.contacts:
+            return fit.with_outcome(errors[0])
+        next_fit = fit.with_outcome(loads.all_contacts) if loads.all_contacts else fit
+        if solver.yields and next_fit.sizing is not None and loads.contacts:
             clock.progress(_ANEW.format(why="the contact found does not fit this mesh", how="other sizes"))
-        if solved.left:
-            put_off[number] = partial(found_on, number, fit, made, known)
-            return after
-        if not solved.contacts:
-            raise _no_load_left(solver.problem, solved)
-        done[number] = Evaluation(
-            _solved_part(solver.problem, solved),
-            solved,
+        if loads.was_left:
+            postponed_fits[number] = partial(solve_on_mesh, number, fit, bodies, contacts)
+            return next_fit
+        if not loads.contacts:
+            raise _no_load_error(solver.problem, loads)
+        evaluations[number] = Evaluation(
+            _solved_part(solver.problem, loads),
+            loads,
             solver.model,
             seal_mesh,
             sources[number],
             solver.problem.loads,
         )
-        return after
+        return next_fit
 
-    def solve_on(wanted: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
-        on_bodies = batch.each(wanted, lambda n: with_bodies(n, wanted[n]))
-        solvers = {n: made[0] for n, made in on_bodies.items() if not isinstance(made, MeshingError)}
-        with clock.step("contact", _solving(solvers.values())):
-            pressed = _pressed({n: one.pressings() for n, one in solvers.items()}, batch)
-            return batch.each(on_bodies, lambda n: looked_at(n, wanted[n], on_bodies[n], pressed.get(n, {})))
+    def solve_fits(fits: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
+        bodies_of = batch.map(fits, lambda n: make_bodies(n, fits[n]))
+        solvers = {n: bodies[0] for n, bodies in bodies_of.items() if not isinstance(bodies, MeshingError)}
+        with clock.step("contact", _solving_text(solvers.values())):
+            contacts = _press({n: solver.pressings() for n, solver in solvers.items()}, batch)
+            return batch.map(bodies_of, lambda n: finish_fit(n, fits[n], bodies_of[n], contacts.get(n, {})))
 
-    fits = fit_meshes(batch.each(problems, begun), solve_on)
-    return {number: done[number] for number in sorted(fits)}
+    fits = fit_meshes(batch.map(problems, begin_fit), solve_fits)
+    return {number: evaluations[number] for number in sorted(fits)}
 
 
 # Said where loads of bodies that yield, which take their time, begin anew.
 _ANEW = "{why}: another one with {how}, and from the first load on"
 
 
-def _in_vain(fit: MeshFit, contacts: Sequence[ContactSolution], error: ConvergenceError | None) -> bool:
+def _needs_fit(fit: MeshFit, contacts: Sequence[ContactSolution], error: ConvergenceError | None) -> bool:
     """Whether another mesh is wanted after the loads so far, so that the others are solved on that one alone."""
     if error is not None:
         return not (fit.is_refined or fit.size_given or isinstance(error, _ON_ANY_MESH))
     return fit.with_outcome(contacts).sizing is not None
 
 
-def _solving(solvers: Collection[LoadSolver]) -> str:
-    count = sum(len(one.problem.loads.points) for one in solvers)
-    paths = [one for one in solvers if one.yields]
+def _solving_text(solvers: Collection[LoadSolver]) -> str:
+    count = sum(len(solver.problem.loads.points) for solver in solvers)
+    paths = [solver for solver in solvers if solver.yields]
     seconds = sum(
-        path_seconds(len(one.model.line.vertices) - 1, len(one.problem.loads.points)) for one in paths
+        path_seconds(len(path.model.line.vertices) - 1, len(path.problem.loads.points)) for path in paths
     )
     along = f", one after the other in load steps, and unloading: {about(seconds)}" if paths else ""
     return f"solving {count} contacts{along}"
 
 
-Pressed = Mapping[int, ContactSolution | Exception]
+Contacts = Mapping[int, ContactSolution | Exception]
 
 
-def _pressed(asked: Mapping[int, Mapping[int, ContactProblem]], batch: Batch) -> dict[int, Pressed]:
+def _press(pressings: Mapping[int, Mapping[int, ContactProblem]], batch: Batch) -> dict[int, Contacts]:
     """Contacts of loads that are questions of their own, by problem and load: all at once, in half the time."""
-    asked = {number: loads for number, loads in asked.items() if loads}
+    pressings = {number: loads for number, loads in pressings.items() if loads}
 
-    def together(several: Sequence[Mapping[int, ContactProblem]]) -> list[Pressed]:
-        every = iter(solve_many([one for loads in several for one in loads.values()]))
-        return [{number: next(every) for number in loads} for loads in several]
+    def press_all(groups: Sequence[Mapping[int, ContactProblem]]) -> list[Contacts]:
+        contacts = iter(solve_many([pressing for loads in groups for pressing in loads.values()]))
+        return [{number: next(contacts) for number in loads} for loads in groups]
 
     return {
-        number: dict.fromkeys(asked[number], one) if isinstance(one, Exception) else one
-        for number, one in batch.at_once(asked, together).items()
+        number: dict.fromkeys(pressings[number], one) if isinstance(one, Exception) else one
+        for number, one in batch.answer_together(pressings, press_all).items()
     }
 
 
@@ -435,16 +440,16 @@ def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:
     if loads.unsolved_bolts is not None:
         loads = loads.with_forces(solved.points)
     if solved.failures:
-        loads = loads.without(solved.failures)
+        loads = loads.without_loads(solved.failures)
     if loads is not problem.loads:
         problem = replace(problem, loads=loads)
     return replace(problem, form=solved.circumferences[0].form) if solved.circumferences else problem
 
 
-def _no_load_left(problem: SealProblem, solved: SolvedLoads) -> Exception:
+def _no_load_error(problem: SealProblem, solved: SolvedLoads) -> Exception:
     """The error of a problem without a contact at any of its loads."""
     errors = list(solved.failures.values())
     if all(isinstance(error, ConvergenceError) for error in errors):
         return errors[0]
-    problems = {one.kind: one for one in reversed(solved.problems.values())}
+    problems = {problem.kind: problem for problem in reversed(solved.problems.values())}
     return NoLoadLeftError(*problems.values(), file=problem.file)

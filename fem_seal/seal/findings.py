@@ -34,7 +34,7 @@ class Bounds(NamedTuple):
 
     Examples
     --------
-    >>> Bounds.of([3.0, 1.0, 2.0]).widened(Bounds.factor_bounds(2.0))
+    >>> Bounds.of([3.0, 1.0, 2.0]).widen(Bounds.factor_bounds(2.0))
     Bounds(low=0.5, high=6.0)
     """
 
@@ -65,11 +65,11 @@ class Bounds(NamedTuple):
         return cls(1.0 / factor, factor)
 
     @property
-    def apart(self) -> bool:
+    def is_range(self) -> bool:
         """Whether both ends are read as two numbers."""
         return not self.high <= AGREE * self.low
 
-    def widened(self, by: tuple[float, float]) -> Bounds:
+    def widen(self, by: tuple[float, float]) -> Bounds:
         """Each end times its factor.
 
         Parameters
@@ -179,7 +179,7 @@ class Finding:
     def _filled(self, part: str) -> str:
         return fill(self.display, own_tables("findings.toml")[self.entry].get(part, ""), **self.values)
 
-    def found_at(self, place: str) -> Finding:
+    def at_place(self, place: str) -> Finding:
         """The same about something else than a load as it is.
 
         Parameters
@@ -231,7 +231,7 @@ class Validity:
         ----------
         cautions : iterable of Finding
         """
-        return cls(worst_first(one for one in cautions if not one.silent or one.leak_factor.apart))
+        return cls(worst_first(one for one in cautions if not one.silent or one.leak_factor.is_range))
 
     @property
     def level(self) -> Level:
@@ -298,7 +298,7 @@ class Validity:
         return f"together a factor {round_digits(factor, 2):g} {'more' if more else 'less'}: {'; '.join(reasons)}"
 
     @property
-    def outside(self) -> bool:
+    def outside_theory(self) -> bool:
         """Whether the theory does not hold, so that nothing may be claimed from the numbers."""
         return self.level is Level.OUTSIDE
 
@@ -308,7 +308,7 @@ class Validity:
         outside = [one.leak_factor for one in self.cautions if one.level is Level.OUTSIDE]
         return bool(outside) and all(low >= 1.0 < high for low, high in outside)
 
-    def without(self, *kinds: str) -> Validity:
+    def without_kinds(self, *kinds: str) -> Validity:
         """The verdict without the cautions of some kinds.
 
         Parameters

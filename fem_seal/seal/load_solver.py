@@ -455,7 +455,7 @@ class SolvedLoads:
         Each contact around the axis; empty for a round seal.
     points : mapping
         Fluid pressure [Pa] and force [N] of loads by their numbers, where bolts give the force.
-    left : bool
+    was_left : bool
         Whether a path of bodies that yield was left before its end.
     """
 
@@ -465,10 +465,10 @@ class SolvedLoads:
     not_unloaded: ConvergenceError | None = None
     circumferences: Sequence[Circumference] = ()
     points: Mapping[int, tuple[float, float]] = field(default_factory=dict)
-    left: bool = False
+    was_left: bool = False
 
     @property
-    def around(self) -> Sequence[Circumference | None]:
+    def circumference_of_each(self) -> Sequence[Circumference | None]:
         """Each contact around the axis; None for a round seal."""
         return self.circumferences or [None] * len(self.contacts)
 
@@ -485,7 +485,7 @@ class SolvedLoads:
         problem, points, table
             See there.
         """
-        return load_results(problem, points, self.contacts, self.around, table)
+        return load_results(problem, points, self.contacts, self.circumference_of_each, table)
 
     @property
     def all_contacts(self) -> list[ContactSolution]:
@@ -570,7 +570,7 @@ def _solved_path(
         held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
     failures = dict(sorted(failures.items()))
     rest = path.unloaded_bodies
-    return SolvedLoads(path.contacts, rest, failures, not_unloaded, points=held, left=path.was_left)
+    return SolvedLoads(path.contacts, rest, failures, not_unloaded, points=held, was_left=path.was_left)
 
 
 def _beyond(

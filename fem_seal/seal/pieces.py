@@ -22,32 +22,32 @@ class Record(Protocol):
 
 
 Piece = TypeVar("Piece", bound=Hashable)
-Asked = TypeVar("Asked", bound=Hashable, contravariant=True)
-Found = TypeVar("Found", bound=Record)
-Kept = TypeVar("Kept", bound=Record, covariant=True)
+Piece_contra = TypeVar("Piece_contra", bound=Hashable, contravariant=True)
+R = TypeVar("R", bound=Record)
+Record_co = TypeVar("Record_co", bound=Record, covariant=True)
 
 
-class Simulation(Protocol[Asked, Kept]):
+class Simulation(Protocol[Piece_contra, Record_co]):
     """What is cut into pieces; it goes to other processes."""
 
-    def keys(self, piece: Asked) -> list[str]:
+    def keys(self, piece: Piece_contra) -> list[str]:
         """Hash of all that each record of a piece depends on."""
 
-    def records(self, piece: Asked) -> Iterator[Kept]:
+    def records(self, piece: Piece_contra) -> Iterator[Record_co]:
         """Calculate a piece: its records, one after the other."""
 
-    def record(self, values: Mapping[str, Any]) -> Kept:
+    def record(self, values: Mapping[str, Any]) -> Record_co:
         """A record as it stands in a file."""
 
 
 def work(
-    simulation: Simulation[Piece, Found],
+    simulation: Simulation[Piece, R],
     pieces: Sequence[Piece],
     folder: Path | None,
     *,
     jobs: int = 1,
     progress: Callable[[str], None] = lambda text: None,
-) -> dict[Piece, list[Found]]:
+) -> dict[Piece, list[R]]:
     """Records of all pieces; those that are on disk are not calculated again.
 
     Parameters
@@ -66,33 +66,33 @@ def work(
     LeakError
         Of the first piece that fails; what was finished is kept.
     """
-    known = {piece: found for piece in pieces if (found := _read(simulation, piece, folder)) is not None}
-    missing = [piece for piece in pieces if piece not in known]
-    if known and missing:
-        progress(f"{len(known)} of {len(pieces)} pieces are there already")
-    failed: LeakError | None = None
+    results = {p: records for p in pieces if (records := _read_piece(simulation, p, folder)) is not None}
+    todo = [piece for piece in pieces if piece not in results]
+    if results and todo:
+        progress(f"{len(results)} of {len(pieces)} pieces are there already")
+    first_error: LeakError | None = None
     try:
-        with closing(_calculated(simulation, missing, jobs)) as calculated:
-            for piece, records, error in calculated:
+        with closing(_calculate_pieces(simulation, todo, jobs)) as attempts:
+            for piece, records, error in attempts:
                 # of a piece that failed there are fewer records
                 for path, record in zip(_files(simulation, piece, folder), records, strict=False):
                     write_text(path, as_json([record._asdict()]))
-                failed = failed or error
+                first_error = first_error or error
                 if error is None:
-                    known[piece] = records
-                    progress(f"direct simulation: {len(known)} of {len(pieces)} pieces")
+                    results[piece] = records
+                    progress(f"direct simulation: {len(results)} of {len(pieces)} pieces")
     except KeyboardInterrupt:
         if folder is not None:
             progress("interrupted; finished pieces are kept, and the same command goes on from there")
         raise
-    if failed is not None:
-        raise failed
-    return known
+    if first_error is not None:
+        raise first_error
+    return results
 
 
-def _calculated(
-    simulation: Simulation[Piece, Found], pieces: Sequence[Piece], jobs: int
-) -> Generator[tuple[Piece, list[Found], LeakError | None], None, None]:
+def _calculate_pieces(
+    simulation: Simulation[Piece, R], pieces: Sequence[Piece], jobs: int
+) -> Generator[tuple[Piece, list[R], LeakError | None], None, None]:
     """Pieces as they are done; once one has failed no other is begun."""
     if jobs < 2 or len(pieces) < 2:
         for piece in pieces:
@@ -102,20 +102,20 @@ def _calculated(
                 return
         return
     # no more of them wait than processes can take; half of a piece is nothing, and ends with its process
-    left = iter(pieces)
+    queue = iter(pieces)
     with Processes(jobs) as processes:
-        waiting = {processes.submit(_attempt, simulation, piece): piece for piece in islice(left, jobs)}
-        while waiting:
-            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                piece, (records, error) = waiting.pop(future), future.result()
-                left = left if error is None else iter(())
-                for following in islice(left, 1):
-                    waiting[processes.submit(_attempt, simulation, following)] = following
+        futures = {processes.submit(_attempt, simulation, piece): piece for piece in islice(queue, jobs)}
+        while futures:
+            for future in wait(futures, return_when=FIRST_COMPLETED).done:
+                piece, (records, error) = futures.pop(future), future.result()
+                queue = queue if error is None else iter(())
+                for next_piece in islice(queue, 1):
+                    futures[processes.submit(_attempt, simulation, next_piece)] = next_piece
                 yield piece, records, error
 
 
-def _attempt(simulation: Simulation[Piece, Found], piece: Piece) -> tuple[list[Found], LeakError | None]:
-    records: list[Found] = []
+def _attempt(simulation: Simulation[Piece, R], piece: Piece) -> tuple[list[R], LeakError | None]:
+    records: list[R] = []
     try:
         records.extend(simulation.records(piece))
     except LeakError as error:
@@ -123,11 +123,11 @@ def _attempt(simulation: Simulation[Piece, Found], piece: Piece) -> tuple[list[F
     return records, None
 
 
-def _files(simulation: Simulation[Piece, Found], piece: Piece, folder: Path | None) -> list[Path]:
+def _files(simulation: Simulation[Piece, R], piece: Piece, folder: Path | None) -> list[Path]:
     return [] if folder is None else [folder / "pieces" / f"{key}.json" for key in simulation.keys(piece)]
 
 
-def _read(simulation: Simulation[Piece, Found], piece: Piece, folder: Path | None) -> list[Found] | None:
+def _read_piece(simulation: Simulation[Piece, R], piece: Piece, folder: Path | None) -> list[R] | None:
     """None if it is not there, or is no whole piece."""
     paths = _files(simulation, piece, folder)
     if not paths or not all(path.is_file() for path in paths):

@@ -169,7 +169,7 @@ class Loads:
         """The same without a load before them."""
         return self if self.earlier is None else replace(self, earlier=None)
 
-    def without(self, numbers: Collection[int]) -> Loads:
+    def without_loads(self, numbers: Collection[int]) -> Loads:
         """The others.
 
         Parameters

@@ -20,7 +20,7 @@ from fem_seal.contact.newton import ContactProblem
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution, largest_before
 from fem_seal.materials import Material
 from fem_seal.seal.conductivity_tables import family_law, family_table, same_family
-from fem_seal.seal.kept import Kept
+from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.seal.leak_model import Conductivity, FlowModel
 from fem_seal.seal.leak_model import log_peaks as log_peaks_of
 from fem_seal.seal.load_result import LoadResult
@@ -49,7 +49,7 @@ class Source:
 
     settings = DEFAULT_SETTINGS
 
-    def suited(self, problem: SealProblem) -> Source:
+    def source_for(self, problem: SealProblem) -> Source:
         """The source for a problem: itself, or that of a run where there is nothing to share."""
         return self
 
@@ -58,19 +58,19 @@ class Source:
         return problem
 
     def bodies(
-        self, problem: SealProblem, wanted: Sizing, clock: Clock
+        self, problem: SealProblem, sizing: Sizing, clock: Clock
     ) -> tuple[SealMesh | None, ContactModel]:
         """Condensed bodies, with their mesh where it is kept.
 
         Parameters
         ----------
         problem : SealProblem
-        wanted : Sizing
+        sizing : Sizing
         clock : Clock
             Told what is being done.
         """
         with clock.step("mesh", "meshing closure and seat"):
-            seal_mesh = build_contact(problem.contact, wanted)
+            seal_mesh = build_contact(problem.contact, sizing)
         with clock.step("condense", "condensing both bodies on the contact line"):
             return seal_mesh, condensed(problem, seal_mesh)
 
@@ -79,11 +79,11 @@ class Source:
         return flow.table_around(surface, log_peaks)
 
 
-EXACT = Source()
+OWN_BODIES = Source()
 
 
 @dataclass(frozen=True)
-class Rounding:
+class MeshRounding:
     """How far apart rounded sizes are, and how much coarser than a run's the elements are.
 
     Parameters
@@ -106,12 +106,12 @@ class Rounding:
     edges: float = 1.0
 
 
-OF_STUDIES = Rounding()
+STUDIES = MeshRounding()
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """What condensed elastic bodies follow from; their name where they are kept."""
+    """What condensed elastic bodies follow from; the key under which they are kept."""
 
     contact: ContactGeometry
     sizing: Sizing
@@ -120,26 +120,26 @@ class Bodies:
     supports: Supports
 
     @classmethod
-    def of(cls, problem: SealProblem, wanted: Sizing, rounding: Rounding) -> Self:
+    def of(cls, problem: SealProblem, sizing: Sizing, rounding: MeshRounding) -> Self:
         """Those of a problem, their sizes rounded."""
         exact = problem.contact_size is not None
         return cls(
             problem.contact,
-            rounded(wanted, problem.contact, exact_size=exact, rounding=rounding),
+            round_sizes(sizing, problem.contact, exact_size=exact, rounding=rounding),
             _elastic(problem.materials["closure"]),
             _elastic(problem.materials["seat"]),
             problem.supports,
         )
 
-    def made(self, known: ContactModel | None = None) -> ContactModel:
+    def condense(self, known: ContactModel | None = None) -> ContactModel:
         """The bodies, condensed; of a model that is known one of them may be the same, see `condense`."""
         seal_mesh = build_contact(self.contact, self.sizing)
         materials = {"closure": self.closure, "seat": self.seat}
         return condense(seal_mesh, materials, self.supports, known=known)
 
-    def made_light(self, known: ContactModel | None = None) -> ContactModel:
+    def condense_light(self, known: ContactModel | None = None) -> ContactModel:
         """The same without the way to stresses inside of them, which takes far more memory."""
-        return self.made(known).line_alone
+        return self.condense(known).line_alone
 
 
 def with_family_law(problem: SealProblem) -> SealProblem:
@@ -156,14 +156,14 @@ def family_or_own_table(flow: FlowModel, surface: RoughContact, log_peaks: Seque
 
 
 @dataclass(frozen=True, eq=False)
-class Shared(Source):
+class SharedBodies(Source):
     """Bodies and tables that neighbouring problems share.
 
     Parameters
     ----------
-    rounding : Rounding
+    rounding : MeshRounding
         Of the sizes of the mesh.
-    light : Kept
+    light : KeyedStore
         Bodies without a way to stresses.
     tables : callable
         See `Source.table`.
@@ -171,36 +171,36 @@ class Shared(Source):
         Whether stresses will be asked for; without them bodies take far less memory.
     """
 
-    rounding: Rounding = OF_STUDIES
-    light: Kept = field(default_factory=lambda: Kept(_LIGHT_MODELS))
+    rounding: MeshRounding = STUDIES
+    light: KeyedStore = field(default_factory=lambda: KeyedStore(_LIGHT_MODELS))
     tables: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] = family_or_own_table
     stress: bool = False
 
     settings = ContactSettings(_TOLERANCE, _TOLERANCE, fluid_tolerance=_TOLERANCE)
 
-    def suited(self, problem: SealProblem) -> Source:
+    def source_for(self, problem: SealProblem) -> Source:
         """That of a run for bodies that yield, whose path takes longer than their mesh, and for heat of their own."""
-        return EXACT if problem.follows_path or problem.at_rest.heating is not None else self
+        return OWN_BODIES if problem.follows_path or problem.at_rest.heating is not None else self
 
     def problem(self, problem: SealProblem) -> SealProblem:
         """With the law of its surface's family, made once for all surfaces of one shape."""
         return with_family_law(problem)
 
     def bodies(
-        self, problem: SealProblem, wanted: Sizing, clock: Clock
+        self, problem: SealProblem, sizing: Sizing, clock: Clock
     ) -> tuple[SealMesh | None, ContactModel]:
         """Those that are kept, of rounded sizes."""
-        name = Bodies.of(problem, wanted, self.rounding)
+        key = Bodies.of(problem, sizing, self.rounding)
         if not self.stress:
-            made = self.light.get(name, lambda: name.made_light(self.light.latest))
-            return None, with_stop(problem, made)
-        can_yield = tuple(kind for kind, one in problem.materials.items() if one.yield_stress)
-        if next(_uses.get(name, count)) < _WORTH_A_SCREEN:
-            return None, with_stop(problem, _full.get(name, name.made))
-        screened = _full.get(
-            (name, can_yield), lambda: with_stress_bound(_full.get(name, name.made), can_yield)
+            model = self.light.get(key, lambda: key.condense_light(self.light.latest_value))
+            return None, with_stop(problem, model)
+        can_yield = tuple(name for name, material in problem.materials.items() if material.yield_stress)
+        if next(_model_uses.get(key, count)) < _WORTH_A_SCREEN:
+            return None, with_stop(problem, _full_models.get(key, key.condense))
+        model = _full_models.get(
+            (key, can_yield), lambda: with_stress_bound(_full_models.get(key, key.condense), can_yield)
         )
-        return None, with_stop(problem, screened)
+        return None, with_stop(problem, model)
 
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """From tables that are shared."""
@@ -208,11 +208,11 @@ class Shared(Source):
 
 
 # What is known of the load before all others, beside the numbers of the loads.
-_BEFORE = -1
+_LOAD_BEFORE = -1
 
 
 @dataclass(frozen=True, eq=False)
-class NearSolved(Source):
+class NeighbourSource(Source):
     """Bodies, contacts and tables for problems close to one that is solved.
 
     They may differ from it in surface, fluid and form error, and by a factor on both Young's moduli. What the fluid
@@ -220,7 +220,7 @@ class NearSolved(Source):
 
     Parameters
     ----------
-    solved : SealProblem
+    solved_problem : SealProblem
         What is solved.
     solved_model : ContactModel
         Its bodies.
@@ -235,7 +235,7 @@ class NearSolved(Source):
         they do where their modulus changes.
     """
 
-    solved: SealProblem
+    solved_problem: SealProblem
     solved_model: ContactModel
     seal_mesh: SealMesh
     loads: Sequence[LoadResult]
@@ -247,51 +247,51 @@ class NearSolved(Source):
 
     def problem(self, problem: SealProblem) -> SealProblem:
         """With the law of the solved problem where it is the same, so that its contacts are, too."""
-        known, interface = self.solved, problem.interface
-        assert problem.surface is not None and known.surface is not None  # of all who ask
+        solved, interface = self.solved_problem, problem.interface
+        assert problem.surface is not None and solved.surface is not None  # of all who ask
         elastic = interface.law == "spectrum" and not interface.plastic
-        before, after = (each.elastic if elastic else each for each in (known.surface, problem.surface))
-        if self._given or before == after:
-            return replace(problem, given_law=known.law)
-        if elastic and same_family(problem.surface, known.surface):
+        before, after = (s.elastic if elastic else s for s in (solved.surface, problem.surface))
+        if self._on_given_profiles or before == after:
+            return replace(problem, given_law=solved.law)
+        if elastic and same_family(problem.surface, solved.surface):
             return with_family_law(problem)
-        given = interface.law != "spectrum" and problem.law == known.law
-        return replace(problem, given_law=known.law) if given else problem
+        same_law = interface.law != "spectrum" and problem.law == solved.law
+        return replace(problem, given_law=solved.law) if same_law else problem
 
     @property
-    def _given(self) -> bool:
+    def _on_given_profiles(self) -> bool:
         """Whether its contacts are given pressure profiles, which stay as they are."""
         return self.loads[0].of_profile
 
     def _stiffness(self, problem: SealProblem) -> float:
         """Factor on both Young's moduli."""
-        after, before = (each.materials["seat"].youngs_modulus for each in (problem, self.solved))
+        after, before = (seal.materials["seat"].youngs_modulus for seal in (problem, self.solved_problem))
         return after / before
 
     def _moves(self, problem: SealProblem) -> bool:
         """Whether a contact is not the known one; a given one stays what it is."""
-        changed = problem.law is not self.solved.law or self._stiffness(problem) != 1.0
-        return changed and not self._given
+        changed = problem.law is not self.solved_problem.law or self._stiffness(problem) != 1.0
+        return changed and not self._on_given_profiles
 
     def model(self, problem: SealProblem) -> ContactModel:
         """The known bodies, with another modulus where they have one."""
         factor = self._stiffness(problem)
         if factor != 1.0 and problem.follows_path:
             return condensed(problem, self.seal_mesh)
-        return self.solved_model if self._given else self.solved_model.stiffer(factor)
+        return self.solved_model if self._on_given_profiles else self.solved_model.stiffer(factor)
 
     def pressings(self, problem: SealProblem, model: ContactModel) -> dict[int, ContactProblem]:
         """What is to be pressed again, from the known contacts: nothing on a path and where nothing moves."""
         if problem.follows_path or not self._moves(problem):
             return {}
         contacts = {number: self.loads[number].contact for number in self.numbers}
-        for before in largest_before(list(contacts.values())):
-            contacts[_BEFORE] = before
+        for earlier in largest_before(list(contacts.values())):
+            contacts[_LOAD_BEFORE] = earlier
         return {
             number: ContactProblem(
-                model, problem.law, known.pressing_force, known.loads, self.settings, start=known
+                model, problem.law, contact.pressing_force, contact.loads, self.settings, start=contact
             )
-            for number, known in contacts.items()
+            for number, contact in contacts.items()
         }
 
     def contacts(
@@ -311,19 +311,19 @@ class NearSolved(Source):
         ConvergenceError
             If one of them does not converge.
         """
-        known = [self.loads[number].contact for number in self.numbers]
+        contacts = [self.loads[number].contact for number in self.numbers]
         if not self._moves(problem):
-            return known
+            return contacts
         if not problem.follows_path:
             for outcome in pressed.values():
                 if isinstance(outcome, Exception):
                     raise outcome
-            solved = {number: each for number, each in pressed.items() if not isinstance(each, Exception)}
-            return [solved[number].after(solved.get(_BEFORE)) for number in self.numbers]
+            solved = {n: contact for n, contact in pressed.items() if not isinstance(contact, Exception)}
+            return [solved[number].after(solved.get(_LOAD_BEFORE)) for number in self.numbers]
         if self.whole_paths or self._stiffness(problem) != 1.0:
-            contacts = path_again(LoadSolver(problem, model))
-            return [contacts[number] for number in self.numbers]
-        return linearised_again(known, problem.law)
+            path = path_again(LoadSolver(problem, model))
+            return [path[number] for number in self.numbers]
+        return linearised_again(contacts, problem.law)
 
     def solve(
         self, problem: SealProblem, model: ContactModel, pressed: Mapping[int, ContactSolution | Exception]
@@ -332,30 +332,32 @@ class NearSolved(Source):
         contacts = self.contacts(problem, model, pressed)
         circumferences: list[Circumference] = []
         for number, contact in zip(self.numbers, contacts, strict=True):
-            known = self.loads[number]
-            same = contact is known.contact and problem.form is self.solved.form
-            around = known.circumference if same else problem.circumference(contact, near=known.circumference)
-            circumferences += [] if around is None else [around]
+            load = self.loads[number]
+            same = contact is load.contact and problem.form is self.solved_problem.form
+            circumference = (
+                load.circumference if same else problem.circumference(contact, near=load.circumference)
+            )
+            circumferences += [] if circumference is None else [circumference]
         return SolvedLoads(contacts, circumferences=circumferences)
 
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Of the known surface's family, or a short one for the pressures of the contacts themselves."""
         if flow.simulated is not None:
             # with the range of the solved seal, as long as it will do, the table's own error is that of all
-            known = log_peaks_of([contact for load in self.loads for contact in load.contacts])
-            return flow.table_around(surface, [*known, *log_peaks])
-        known_surface = self.solved.surface
-        assert known_surface is not None  # of all who ask
-        table = family_table(flow, surface) if same_family(surface, known_surface) else None
+            solved_peaks = log_peaks_of([contact for load in self.loads for contact in load.contacts])
+            return flow.table_around(surface, [*solved_peaks, *log_peaks])
+        solved_surface = self.solved_problem.surface
+        assert solved_surface is not None  # of all who ask
+        table = family_table(flow, surface) if same_family(surface, solved_surface) else None
         return table or flow.short_table(surface, log_peaks)
 
 
 # of all studies of this process
-_full, _uses = Kept(2 * _FULL_MODELS), Kept(_LIGHT_MODELS)
+_full_models, _model_uses = KeyedStore(2 * _FULL_MODELS), KeyedStore(_LIGHT_MODELS)
 
 
-def rounded(
-    sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False, rounding: Rounding = OF_STUDIES
+def round_sizes(
+    sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False, rounding: MeshRounding = STUDIES
 ) -> Sizing:
     """Sizing with rounded numbers: never narrower along the contact, nor coarser than the rounding says.
 
@@ -368,43 +370,43 @@ def rounded(
         The zone still ends where one of the faces ends.
     exact_size : bool
         Whether the contact size is the user's own and stays.
-    rounding : Rounding
+    rounding : MeshRounding
     """
     lower, upper = contact.reach
     step = rounding.step
-    start, end = (_up(abs(x), rounding.reach_step) for x in sizing.zone)
+    start, end = (_round_up(abs(x), rounding.reach_step) for x in sizing.zone)
     edges = rounding.edges if sizing.spots else 1.0
     coarser = 1.0 if exact_size else rounding.touching * edges
     size = (
         sizing.contact_size
         if exact_size
-        else min(_down(coarser * sizing.contact_size, step), sizing.far_size)
+        else min(_round_down(coarser * sizing.contact_size, step), sizing.far_size)
     )
-    elements = _SOFT_CORE * _up(sizing.core / sizing.contact_size / _SOFT_CORE, step)
+    elements = _SOFT_CORE * _round_up(sizing.core / sizing.contact_size / _SOFT_CORE, step)
     return replace(
         sizing,
         contact_size=size,
         # so many of the largest elements that are rounded to this size: it brings no meshes of its own beside theirs
         core=elements * (size if exact_size else 2.0**step * size),
         zone=(max(-start, lower), min(end, upper)),
-        growth_along=rounding.along * edges * _down(sizing.growth_along, step),
+        growth_along=rounding.along * edges * _round_down(sizing.growth_along, step),
         growth_deep=rounding.deep * sizing.growth_deep,
-        spots=_rounded_spots(sizing, contact, step, coarser),
+        spots=_round_spots(sizing, contact, step, coarser),
     )
 
 
-def _rounded_spots(
+def _round_spots(
     sizing: Sizing, contact: ContactGeometry, step: float, coarser: float
 ) -> tuple[tuple[float, float], ...]:
     """Spots with rounded sizes, at multiples of them; edges and ends of the faces stay where they are."""
     lower, upper = contact.reach
     edges = {lower, upper, *contact.breaks.tolist()}
-    found = set()
-    for place, wanted in sizing.spots:
-        size = _down(coarser * wanted, step)
-        near = min(max(size * round(place / size), lower), upper)
-        found.add((place if place in edges else near, size))
-    return tuple(sorted(found))
+    spots = set()
+    for place, spot_size in sizing.spots:
+        size = _round_down(coarser * spot_size, step)
+        multiple = min(max(size * round(place / size), lower), upper)
+        spots.add((place if place in edges else multiple, size))
+    return tuple(sorted(spots))
 
 
 def _elastic(material: Material) -> Material:
@@ -412,9 +414,9 @@ def _elastic(material: Material) -> Material:
     return Material("", material.youngs_modulus, material.poissons_ratio)
 
 
-def _down(size: float, step: float) -> float:
+def _round_down(size: float, step: float) -> float:
     return float(2.0 ** (step * math.floor(math.log2(size) / step + 1e-9)))
 
 
-def _up(size: float, step: float) -> float:
+def _round_up(size: float, step: float) -> float:
     return float(2.0 ** (step * math.ceil(math.log2(size) / step - 1e-9)))

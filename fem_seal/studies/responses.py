@@ -25,7 +25,7 @@ from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
-from fem_seal.answers.solution import answer_parts
+from fem_seal.answers.solution import answered
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import OWN_CONTACTS
@@ -38,7 +38,7 @@ from fem_seal.seal.findings import NOT_JUDGED, Level, Validity, remark
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.problem import problems_of
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
-from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
+from fem_seal.seal.sources import OWN_BODIES, SharedBodies, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASS_COLUMNS, is_of_bolts, is_target
 from fem_seal.validity.checks import validity_of
 from leak import LeakError
@@ -57,7 +57,9 @@ _FOR_VERDICT = (
     *(ACCURACY, OPENING, TARGET, BOLTS, FINDINGS, UNCERTAINTY, PASS_PROBABILITY, VERDICT_FORCE, VERDICT),
 )
 _SOURCES = {
-    (stress, interpolate): Shared(stress=stress, tables=family_or_own_table if interpolate else EXACT.table)
+    (stress, interpolate): SharedBodies(
+        stress=stress, tables=family_or_own_table if interpolate else OWN_BODIES.table
+    )
     for stress in (False, True)
     for interpolate in (False, True)
 }
@@ -124,31 +126,31 @@ def evaluate_designs(
         See `evaluate_design`.
     """
     if FORCE_FOR_VERDICT in columns:
-        return batch.each(cases, lambda number: _with_verdict_force(cases[number], columns))
-    cases = batch.each(cases, lambda number: warmed(cases[number]))
-    problems = batch.each(cases, lambda number: problems_of(cases[number]))
+        return batch.map(cases, lambda number: _with_verdict_force(cases[number], columns))
+    cases = batch.map(cases, lambda number: warmed(cases[number]))
+    problems = batch.map(cases, lambda number: problems_of(cases[number]))
     sources = {n: (_source(cases[n], columns, interpolate),) * len(each) for n, each in problems.items()}
     evaluations = evaluate_many(problems, sources, batch)
-    loads = batch.each(evaluations, lambda number: _add_answers(evaluations[number], cases[number], columns))
+    loads = batch.map(evaluations, lambda number: _add_answers(evaluations[number], cases[number], columns))
     # for the checks alone the table would take too long
     with_chance, with_scenarios = not PASS_COLUMNS.isdisjoint(columns), not _OF_SCENARIOS.isdisjoint(columns)
     leaks = with_chance or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
         for step in _leaks(with_scenarios=with_scenarios):
-            batch.each(loads, lambda number: _calculate_or_default(lambda: step(loads[number]), None))  # noqa: B023
-    loads_judged = batch.each(
+            batch.map(loads, lambda number: _calculate_or_default(lambda: step(loads[number]), None))  # noqa: B023
+    loads_judged = batch.map(
         loads,
         lambda n: _check_validity(
             evaluations[n], loads[n], cases[n], columns, leaks=leaks, interpolate=interpolate
         ),
     )
-    return batch.each(loads_judged, lambda number: _result(loads_judged[number], columns))
+    return batch.map(loads_judged, lambda number: _result(loads_judged[number], columns))
 
 
 def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     """Where a design's bodies come from: a mesh of its own costs little beside samples of its inputs."""
     if case.sampled is not None and not INTERVAL.isdisjoint(columns):
-        return EXACT
+        return OWN_BODIES
     can_yield = any(body.table.material.yield_stress for body in case.every_body)
     stress = can_yield or not {"max_von_mises_Pa", "max_accumulated_plastic_strain"}.isdisjoint(columns)
     return _SOURCES[stress, interpolate]
@@ -165,7 +167,7 @@ def _add_answers(evaluations: Sequence[Evaluation], case: Case, columns: Sequenc
         answers.append(OWN_CONTACTS)
     if evaluations[0].seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
-    return answer_parts(
+    return answered(
         SolvedSeal.of(evaluations, case, loads_of(evaluations)),
         Request(evaluations[0].solver, SILENT),
         answers,
@@ -191,7 +193,7 @@ def _check_validity(
     has_interval = True
     if with_samples:
         request = Request(evaluations[0].solver, SILENT)
-        (load,) = answer_parts(SolvedSeal.of(evaluations, case, [load]), request, [UNCERTAINTY]).loads
+        (load,) = answered(SolvedSeal.of(evaluations, case, [load]), request, [UNCERTAINTY]).loads
         has_interval = UNCERTAINTY.of(request.answers) is not None
         if not has_interval:
             judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluations)
@@ -209,7 +211,7 @@ def _check_validity(
             if PASS_COLUMNS.issuperset(columns):
                 raise
             load = _drop_column("pass_probability", error, load)
-    return load.with_values(judgement=judgement, pass_statistics=chance)
+    return load.with_values(judgement=judgement, passing=chance)
 
 
 def _drop_column(column: str, error: Exception, load: Load) -> Load:
@@ -228,7 +230,7 @@ def _calculate_or_default(calculate: Callable[[], Value], otherwise: Default) ->
 
 def _validity(load: CaseLoad, columns: Sequence[str]) -> Validity:
     """How far the numbers of a design can be trusted; its mesh and, if it is asked for, its force for the target."""
-    cautions = load.validity.without("mesh").cautions
+    cautions = load.validity.without_kinds("mesh").cautions
     if any(map(is_target, columns)) and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions

@@ -19,7 +19,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import names_files, with_files
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.seal.evaluate import Batch, Turn, untimed
+from fem_seal.seal.evaluate import Batch, Turn, without_time_limit
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.store import Row, stored_number
@@ -141,7 +141,7 @@ class DesignSpec:
         return {path: contents for path, contents in self.files.items() if path not in levels}
 
 
-def calculate(spec: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> list[Row]:
+def calculate(spec: DesignSpec, chunk: FloatArray, turn: Turn = without_time_limit) -> list[Row]:
     """Rows of some designs; a design that fails is a row with its reason.
 
     Parameters
@@ -166,9 +166,9 @@ def calculate(spec: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> list
     files = [spec.files_of(point) for point in points]
     for files_of_design in files:
         check_unchanged(files_of_design, all_there=False)
-    cases = batch.each(range(len(points)), case_of)
+    cases = batch.map(range(len(points)), case_of)
     designs = evaluate_designs(batch, cases, spec.columns, interpolate=spec.interpolate)
-    rows = batch.each(designs, lambda number: _row(spec, points[number], designs[number]))
+    rows = batch.map(designs, lambda number: _row(spec, points[number], designs[number]))
     # a design reads its files when it needs them: only now is it sure what it has read
     for files_of_design in files:
         check_unchanged(files_of_design, all_there=False)

@@ -223,7 +223,7 @@ def validity_of(
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
     # a gas percolates where a liquid does
     table = getattr(table, "liquid", table)
-    if by_table and seal.seal_mesh is None and isinstance(table, ConductivityTable) and table.acts_at is None:
+    if by_table and seal.seal_mesh is None and isinstance(table, ConductivityTable) and table.acting is None:
         sealing = table.sealing_pressure
         # u_eff falls with pressure: its value at the next pressure of the table is a lower bound
         separations = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
@@ -261,7 +261,7 @@ def _earlier_cautions(problem: SealProblem, current: LoadResult) -> tuple[Findin
     load = LoadResult(*problem.loads.earlier, current.contact.history[-1], mesh_error=current.mesh_error)
     bodies: tuple[Check, ...] = (_yielding, _may_yield, _beyond_curve, _turning, _contact_ends)
     return tuple(
-        finding.found_at("largest earlier load") for check in bodies for finding in check(problem, [load])
+        finding.at_place("largest earlier load") for check in bodies for finding in check(problem, [load])
     )
 
 
@@ -281,7 +281,7 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
     )
     for finding in _at_target(problem, answers):
         if not finding.silent:
-            yield finding.found_at(f"at the force for the target leak rate, {' to '.join(forces)}")
+            yield finding.at_place(f"at the force for the target leak rate, {' to '.join(forces)}")
 
 
 def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
@@ -807,7 +807,7 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
         times = 1.0 + _MORE_OF_LONG * share
         factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), times)
     reports, factors = share > _LONG_WAVES, fade_in(factors, share / _LONG_WAVES)
-    if reports or factors.apart:
+    if reports or factors.is_range:
         yield caution(
             "long_waves",
             load,

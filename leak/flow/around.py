@@ -268,15 +268,13 @@ def flow_round(
     ends = potential_ends(permeant, pressure_side)
     if callable(conductivity):
         radial_only, state = (
-            _solve_sweeps(xs, rs, conductivity, ends, permeant.potential, flows_around)
-            for flows_around in (False, True)
+            _solve_sweeps(xs, rs, conductivity, ends, permeant.potential, around) for around in (False, True)
         )
-        radial = 0.5 * (radial_only.first_flow + radial_only.last_flow)
+        radial = 0.5 * (radial_only.first + radial_only.last)
     else:
         ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
         state, radial = ring.solve(*ends), ring.radial * abs(ends[1] - ends[0])
-    flows = state.first_flow, state.last_flow
-    high, low = flows[::-1] if pressure_side == "outer" else flows
+    high, low = (state.last, state.first) if pressure_side == "outer" else (state.first, state.last)
     c = permeant.per_potential
     return c * state.flow, c * high, c * low, c * radial, permeant.potential.pressure(state.potential)
 
@@ -287,7 +285,7 @@ def _solve_sweeps(
     conductivity: GasConductivityField,
     ends: tuple[float, float],
     potential: FlowPotential | GasPotential,
-    flows_around: bool,
+    around: bool,
 ) -> _Solution:
     """Solution with the conductivity at the fluid pressure that belongs to it."""
     first, last = ends
@@ -296,8 +294,7 @@ def _solve_sweeps(
     last_flow = np.inf
     for _ in range(_MOST_ITERATIONS):
         at = np.maximum(pressure, _VACUUM)
-        ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), flows_around)
-        state = ring.solve(first, last)
+        state = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around).solve(first, last)
         new_pressure = potential.pressure(state.potential)
         if abs(state.flow - last_flow) <= _TOLERANCE * state.flow:
             return state
@@ -312,9 +309,9 @@ def _solve_sweeps(
 @dataclass(frozen=True, eq=False)
 class _Solution:
     flow: float
-    first_flow: FloatArray
+    first: FloatArray
     """Across the edges at the first and the last x, from the high to the low potential, per angle, shape (k,)."""
-    last_flow: FloatArray
+    last: FloatArray
     potential: FloatArray
 
 
@@ -325,7 +322,7 @@ class _Ring:
     x: FloatArray
     radius: FloatArray
     conductivity: FloatArray
-    flows_around: bool = True
+    around: bool = True
 
     @cached_property
     def across_links(self) -> FloatArray:
@@ -335,7 +332,7 @@ class _Ring:
     @cached_property
     def around_links(self) -> FloatArray:
         """Conductance to the neighbour at the next angle, over that of one angle step, shape (m, k)."""
-        if not self.flows_around:
+        if not self.around:
             return np.zeros(self.conductivity.shape)
         step = 2.0 * np.pi / self.conductivity.shape[1]
         edges = np.concatenate([self.x[:1], 0.5 * (self.x[1:] + self.x[:-1]), self.x[-1:]])

@@ -20,7 +20,7 @@ from fem_seal.seal.scenarios import BESIDE
 from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
-    from fem_seal.answers.form import AllowedForm, FormAnswers, FormPoint, WaveAlone
+    from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.output.tables import CsvTable
@@ -45,7 +45,7 @@ def tolerance(result: SealSolution, display: Display) -> str:
     """
     answers, case = result.form, result.case
     asked = case.requirement is not None or case.load.target_leak_rate is not None
-    if answers is None or answers.allowed is None or not asked or result.highest.validity.outside:
+    if answers is None or answers.allowed is None or not asked or result.highest.validity.outside_theory:
         return ""
     return _zone(answers, result.highest, display) or _size(answers, display)
 
@@ -66,10 +66,10 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
     yield from say_all(display, "form", "worst", answers=answers, load=at)
     if load.circumference is not None and load.circumference.form.felt:
         # only results with a form error need this module
-        from fem_seal.answers.form import CLOSED_SHARE
+        from fem_seal.answers.form import CLOSED
 
-        yield say(display, "form", "closing", force=answers.closing_force, load=load, closed=CLOSED_SHARE)
-    if answers.allowed is not None and not load.validity.outside:
+        yield say(display, "form", "closing", force=answers.closing_force, load=load, closed=CLOSED)
+    if answers.allowed is not None and not load.validity.outside_theory:
         yield from filter(None, (_size(answers, display), _zone(answers, load, display)))
         if answers.allowed.waves is not None and any(_zones(answers)[:1]):
             scratched = load.around is not None and load.around.scratches is not None
@@ -82,8 +82,8 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
 
 def _rate(load: CaseLoad, display: Display, *rates: float | None, beside: Sequence[float] = ()) -> str:
     """One leak rate, or the ends of several, in the common unit with `beside`."""
-    ends, claimed = Bounds.of(rate for rate in rates if rate is not None), not load.validity.outside
-    rate = ends if ends.apart else ends.low
+    ends, claimed = Bounds.of(rate for rate in rates if rate is not None), not load.validity.outside_theory
+    rate = ends if ends.is_range else ends.low
     return display.leak_range(rate, load.leak_digits, claimed=claimed, beside=beside)
 
 
@@ -101,7 +101,7 @@ def _size(answers: FormAnswers, display: Display) -> str:
     return say(display, "form", "size", factors=factors, limit=_name_of_limit(allowed), rate=rate)
 
 
-def _name_of_limit(allowed: AllowedForm) -> str:
+def _name_of_limit(allowed: Allowed) -> str:
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
     return names.get(allowed.limit, f"limit of {allowed.limit}")
 

@@ -45,13 +45,13 @@ _MIDDLE = (0.1, 0.9)
 def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Tile]:
     if load.leak is None:
         return
-    case, level, outside = result.case, load.validity.level, load.validity.outside
+    case, level, outside = result.case, load.validity.level, load.validity.outside_theory
     volume = volume_of(case)
     text = leak_range_text(rate_of(load), load.leak_digits, claimed=not outside, volume=volume)
-    middle, kind = "", "tested" if load.is_after_test else "finish" if has_finish(case) else "inputs"
-    if load.sample_ends is not None and not outside:
+    middle, kind = "", "tested" if load.tested else "finish" if has_finish(case) else "inputs"
+    if load.sampled is not None and not outside:
         middle = leak_range_text(usual_rate_of(load), min(load.leak_digits, 2), volume=volume)
-        text = told_after_test(load, volume) if load.is_after_test else text
+        text = told_after_test(load, volume) if load.tested else text
     elif has_one_number(load) and (ends := separate_ends(load)) is not None:
         digits = min(load.leak_digits, 2)
         text, middle = (leak_range_text(end, digits, beside=ends, volume=volume) for end in ends)
@@ -82,12 +82,12 @@ def sure(case: Case, load: CaseLoad) -> str:
     load : CaseLoad
     """
     ends, least, most = rate_of(load), *load.leak_validity.leak_factor
-    if load.leak is None or load.validity.outside:
+    if load.leak is None or load.validity.outside_theory:
         return ""
     if not isinstance(ends, tuple) or not volume_of(case).measurable(ends[1]):
         return ""
     also, share = "", 0.0
-    if load.sample_ends is not None:
+    if load.sampled is not None:
         assert case.sampled is not None
         kind, share = uncertain_in_words(case, load), case.sampled.confidence
         also = "both" if load.others else "" if load.flow_error is None else "own"
@@ -147,7 +147,7 @@ def narrowest_point(load: CaseLoad) -> tuple[str, str]:
     """u_c in both readings of yielding asperities, and its name."""
     known = (one.critical_separation for one in (load, *load.others.values()))
     ends = Bounds.of(one for one in known if one is not None)
-    closed = "calculated as zero" if load.validity.outside else "sealed"
+    closed = "calculated as zero" if load.validity.outside_theory else "sealed"
     unit = unit_for("length", ends[1])
     digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
     low, high = (format_digits(unit.of(one), digits) if one else closed for one in ends)
@@ -159,7 +159,7 @@ def narrowest_point(load: CaseLoad) -> tuple[str, str]:
 def separate_ends(load: CaseLoad) -> Bounds | None:
     """Leak rate in all readings of yielding asperities [m^3/s]; None where they agree."""
     ends = load.leak_range
-    return ends if ends is not None and ends.apart else None
+    return ends if ends is not None and ends.is_range else None
 
 
 def has_two_numbers(load: CaseLoad) -> bool:
@@ -180,8 +180,8 @@ def has_finish(case: Case) -> bool:
 
 def uncertain_in_words(case: Case, load: CaseLoad) -> str:
     """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
-    if load.is_after_test or not has_finish(case):
-        return "tested" if load.is_after_test else "inputs"
+    if load.tested or not has_finish(case):
+        return "tested" if load.tested else "inputs"
     given = case.uncertainty is not None and bool(case.uncertainty.spreads)
     return "mixed" if given or any(uncertain_heights(case.roughness, between_scans=False)) else "finish"
 
@@ -220,14 +220,15 @@ def leakage_text(
     rate = rate_of(load) if rate is None else rate
     assert load.leak is not None
     if not volume.measurable(rate[1] if isinstance(rate, tuple) else rate):
-        return leak_range_text(rate, claimed=not load.validity.outside, volume=volume)
+        return leak_range_text(rate, claimed=not load.validity.outside_theory, volume=volume)
     if not isinstance(rate, tuple):
         ends = load.leak, load.leak
     elif 0 < load.leak.leak_rate < math.inf:
         ends = load.leak.scaled(rate[0]), load.leak.scaled(rate[1])
     else:
         # a sealed or open seal has no mass flow to scale
-        alone = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
+        claimed = not load.validity.outside_theory
+        alone = leak_range_text(rate, load.leak_digits, claimed=claimed, volume=volume)
         return f"{alone} ({volume.state})" if volume.state else alone
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
     measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
@@ -316,16 +317,16 @@ def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list
         return []
     found = load.validity
     doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
-    why = ", because the leak rate is outside the theory" if found.outside else ""
-    tested, covered = "" if found.outside else judged_as(case, load), sure(case, load)
+    why = ", because the leak rate is outside the theory" if found.outside_theory else ""
+    tested, covered = "" if found.outside_theory else judged_as(case, load), sure(case, load)
     classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
     at, told = load_values(load, loads), leakage_text(load, volume)
-    if load.is_after_test and not found.outside:
+    if load.tested and not found.outside_theory:
         at, told = f"{at} after the leak test", told_after_test(load, volume, told)
     return [
         f"Leak rate at {at}: {told}{doubt}",
         *([f"  {covered}"] if covered else []),
-        *([f"  {_as_given(case, load)}"] if load.sample_ends is not None else []),
+        *([f"  {_as_given(case, load)}"] if load.sampled is not None else []),
         f"Leakage class for {class_size(case)[1]}: {classes}{why}",
         *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
     ]
@@ -335,7 +336,7 @@ def _as_given(case: Case, load: CaseLoad) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    finish, inputs = ("tested_finish", "tested_inputs") if load.is_after_test else ("finish", "inputs")
+    finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
     return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)
 
 

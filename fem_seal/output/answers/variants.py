@@ -39,7 +39,7 @@ def _rate_text(result: SealSolution, display: Display, load: CaseLoad) -> str:
 
 def _remark_on_inputs(load: CaseLoad) -> str:
     """Remark that the other theory uses the inputs as stated: only one theory is sampled."""
-    return "" if load.sample_ends is None else " with the inputs as stated"
+    return "" if load.sampled is None else " with the inputs as stated"
 
 
 def has_one_number(load: CaseLoad) -> bool:
@@ -50,8 +50,8 @@ def has_one_number(load: CaseLoad) -> bool:
     load : CaseLoad
     """
     # one that is sealed alone is told with its upper bound
-    told = load.leak is not None and load.leak.leak_rate > 0.0 and not load.validity.outside
-    return told and "paper" in load.names and load.sample_ends is None
+    told = load.leak is not None and load.leak.leak_rate > 0.0 and not load.validity.outside_theory
+    return told and "paper" in load.names and load.sampled is None
 
 
 def beside_in_brief(result: SealSolution) -> Iterator[str]:
@@ -85,10 +85,10 @@ def supported_by(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     load = result.highest
-    if load.leak is None or load.validity.outside:
+    if load.leak is None or load.validity.outside_theory:
         return []
     theories = [name for name in ("paper", "corrected") if name in load.names]
-    support = "test" if load.is_after_test else theories[0] if theories else "direct"
+    support = "test" if load.tested else theories[0] if theories else "direct"
     return [say(result.case.display, "theories", f"supported_{support}")]
 
 
@@ -193,11 +193,11 @@ def variant_table(result: SealSolution) -> ReadableTable:
 
 def _rates_of(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: units.LeakVolume) -> str:
     """The leak rate in all scenarios that stand beside each other, or the only one."""
-    claimed = not load.validity.outside
+    claimed = not load.validity.outside_theory
     if variant.leak_rate is None:
         return "–"
     ends = Bounds.of([variant.leak_rate, *variant.others.values()])
-    digits = min(load.leak_digits, 2 if ends.apart else 3)
+    digits = min(load.leak_digits, 2 if ends.is_range else 3)
     texts = [
         units.format_digits(unit.of(one), digits) if one else units.leak_rate_text(0.0, claimed=claimed)
         for one in map(volume.measurable, ends)

@@ -74,7 +74,7 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     if not loads:
         return False
     over, rates = load_axis(loads), leak_rates(loads)
-    outside = np.array([load.validity.outside for load in loads])
+    outside = np.array([load.validity.outside_theory for load in loads])
     curves = _curves(result, loads)
     shown = np.concatenate([values for _, values, _, _ in curves if beside] or [rates])
     volume, unit = (
@@ -114,7 +114,7 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
     rates = leak_rates(loads)
     yielded = SCENARIOS[loads[0].names[0]].curve
     curves = [(f"{yielded} (result)", rates, BLUE, 2.2)]
-    if loads[0].is_after_test:
+    if loads[0].tested:
         medians = np.array([load.leak_rate_p50 or 0.0 for load in loads])
         curves = [
             ("median after the leak test", medians, BLUE, 2.2),
@@ -146,7 +146,7 @@ def leaking_loads(result: SealSolution) -> tuple[list[CaseLoad], FloatArray]:
         if load.leak and np.isfinite(load.leak.leak_rate)
     ]
     # in their order where a body yields: the leak at the same pressure differs before and after a higher one
-    if not result.unloaded_bodies:
+    if not result.unloaded:
         pairs.sort(key=lambda pair: pair[0].point)
     return [load for load, _ in pairs], np.array([ends for _, ends in pairs])
 
@@ -158,7 +158,7 @@ def leak_rates(loads: Sequence[CaseLoad]) -> FloatArray:
 
 def _single_leak(result: SealSolution, one: CaseLoad) -> Picture:
     """Bars for a case with one load."""
-    outside = one.validity.outside
+    outside = one.validity.outside_theory
     load = load_name(one, result.loads) + (", outside the theory" if outside else "")
     zero, digits = "zero" if outside else "sealed", one.leak_digits
     series = [(name, float(values[0]), colour) for name, values, colour, _ in _curves(result, [one])]
@@ -218,7 +218,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     contacts = [contact for load in result.loads for contact in load.contacts]
     if not loads or not (largest_before(contacts) or any(load.remembers for load in loads)):
         return None
-    if result.unloaded_bodies is None:
+    if result.unloaded is None:
         loads.sort(key=lambda load: load.point)
     over = load_axis(loads)
     earlier = earlier_load(result.case.load) or "the loads before it"
@@ -234,7 +234,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     title = "Leak rate on first loading and after a larger load"
     label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
     both = "both" if any(load.others for load in loads) else ""
-    bodies = "bodies" if result.unloaded_bodies else ""
+    bodies = "bodies" if result.unloaded else ""
     return captioned(figure, "memory", "rates", both, bodies, over=over.name, earlier=earlier)
 
 

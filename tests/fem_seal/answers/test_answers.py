@@ -40,7 +40,7 @@ INDENTATION = Answer(
     _compute,
     (),
     needs=("problem.surface.hardness",),
-    status="how near the asperities are to an indentation",
+    doing="how near the asperities are to an indentation",
 )
 
 # ---------------------------------------------------------------- as in fem_seal/output/answers/

@@ -38,7 +38,7 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import ProfileLeak
 from fem_seal.seal.load_solver import Clock
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.sources import Shared
+from fem_seal.seal.sources import SharedBodies
 from leak import ExponentialLaw, LeakResult
 from meshes import MeshingError, Sizing
 
@@ -500,7 +500,7 @@ def test_other_pairs_of_bodies(pair: str) -> None:
     law = {"law": "exponential", "u0": "0.76 um", "p_c": "10 GPa"}
     case = Case(**PAIRS[pair], interface=law, load={"fluid_pressure": "20 bar"})
     problem = SealProblem.of(case)
-    mean = evaluate(problem).solved.contacts[-1]
+    mean = evaluate(problem).solved_loads.contacts[-1]
     local = LocalContact(mean, problem.law)
     assert local.approach(np.array([mean.line_load]))[0][0] == pytest.approx(
         mean.approach * mean.model.touch_normal_z, abs=1e-6 * U0
@@ -808,7 +808,7 @@ def test_a_stiff_interface_carries_what_smooth_surfaces_do(u0: str) -> None:
             interface=interface,
             form={"seat": {"direction": "radial", "harmonics": [{"waves": 4, "amplitude": "0.5 um"}]}},
         )
-        found = evaluate(SealProblem.of(Case(**asked))).solved
+        found = evaluate(SealProblem.of(Case(**asked))).solved_loads
         assert not found.failures
         return over_mean(found.circumferences[0])
 
@@ -823,7 +823,7 @@ def test_a_stiff_interface_carries_what_smooth_surfaces_do(u0: str) -> None:
     np.testing.assert_allclose(found, expected, atol=0.02 * np.ptp(smooth))
 
 
-class Watched(Shared):
+class Watched(SharedBodies):
     """Sources of the live page that count meshes; from a number of them on none can be made."""
 
     made: ClassVar[list[object]] = []

@@ -56,7 +56,7 @@ def edge(half_width: float, law: dict[str, Any] | None = None, scale: float = 1.
 
 
 def contact_of(chosen: Case) -> ContactSolution:
-    return evaluate(SealProblem.of(chosen)).solved.contacts[0]
+    return evaluate(SealProblem.of(chosen)).solved_loads.contacts[0]
 
 
 @pytest.mark.parametrize("half_width", [0.01, 0.05])
@@ -96,11 +96,11 @@ def test_a_load_beyond_the_old_limit_has_a_result_and_a_reason(tmp_path):
 def test_far_outside_it_is_called_so():
     chosen = edge(0.4)
     problem = SealProblem.of(chosen)
-    solved = evaluate(problem).solved
+    solved = evaluate(problem).solved_loads
     from fem_seal.seal.load_result import LoadResult
 
     found = load_validity(problem, LoadResult(*chosen.load.points[0], solved.contacts[0]))
-    assert found.outside and any("small-strain" in reason for reason in found.reasons)
+    assert found.outside_theory and any("small-strain" in reason for reason in found.reasons)
 
 
 @pytest.mark.slow

@@ -348,7 +348,7 @@ def valve(**load: object) -> fem_seal.Case:
 def valve_run() -> tuple[SealProblem, ContactModel, SolvedLoads]:
     problem = SealProblem.of(valve())
     evaluated = evaluate(problem)
-    model, solved = evaluated.model, evaluated.solved
+    model, solved = evaluated.model, evaluated.solved_loads
     return problem, model, solved
 
 
@@ -393,7 +393,7 @@ def test_the_force_for_a_target_leaks_the_target_as_a_case_of_its_own(closing: s
 
 def leak_of(case: fem_seal.Case) -> float:
     problem = SealProblem.of(case)
-    solved = evaluate(problem).solved
+    solved = evaluate(problem).solved_loads
     flow = SealFlow.of(problem)
     assert flow is not None
     return flow.leak_of(solved.contacts[-1], problem.loads.points[-1][0]).leak_rate
@@ -447,7 +447,7 @@ def sampled() -> tuple[SealProblem, SolvedSeal]:
     )
     problem = SealProblem.of(case)
     evaluated = evaluate(problem)
-    mesh, model, solved = evaluated.seal_mesh, evaluated.model, evaluated.solved
+    mesh, model, solved = evaluated.seal_mesh, evaluated.model, evaluated.solved_loads
     (contact,) = solved.contacts
     rough = LeakModel.of(problem.surface, problem.flow, [contact])
     load = LoadResult(*problem.loads.points[0], contact).with_values(rough=rough)

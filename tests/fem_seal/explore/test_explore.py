@@ -35,7 +35,7 @@ from fem_seal.explore.worker import (
     with_sensitivities,
 )
 from fem_seal.output.report.brief import first_line
-from fem_seal.seal.kept import Kept
+from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.seal.problem import SealProblem
 
 BALL = {
@@ -165,7 +165,7 @@ def test_all_that_was_chosen_stands_in_the_written_file(written):
 
 @pytest.mark.slow
 def test_the_way_to_a_design_does_not_matter(session, live, monkeypatch):
-    monkeypatch.setattr("fem_seal.explore.live.SOURCE", replace(SOURCE, light=Kept(9)))
+    monkeypatch.setattr("fem_seal.explore.live.SOURCE", replace(SOURCE, light=KeyedStore(9)))
     for design in ({"seat_angle": "40 deg"}, {**DESIGN, "finish_spectrum": "2 um"}):
         session.answer(design)
     Session(apply_choice(session.base_design, "fluid.name", "water")).answer(DESIGN)
@@ -855,11 +855,11 @@ def test_a_body_that_a_slider_leaves_as_it_is_is_not_condensed_again(monkeypatch
     session = Session(load_case(EXAMPLES / "tilted_poppet.toml"))
     heights, found = ["12.2 mm", "12.4 mm"], []
     for before in ([], heights[:1]):
-        source = replace(SOURCE, light=Kept(9))
+        source = replace(SOURCE, light=KeyedStore(9))
         monkeypatch.setattr("fem_seal.explore.live.SOURCE", source)
         found.append([session.answer({"seat_height": height}) for height in [*before, heights[1]]][-1])
     assert found[0].loads == found[1].loads
-    closures = [model.harmonics[0] for model in source.light._made.values()]
+    closures = [model.harmonics[0] for model in source.light._values.values()]
     assert len(closures) == 2 and closures[0] is closures[1]
 
 
@@ -867,7 +867,7 @@ def test_a_load_that_comes_again_is_solved_once():
     case = load_case(EXAMPLES / "relief_valve.toml")
     problem = SealProblem.of(case)
     (evaluation,), own = solve_live_loads(case, [problem], live_loads(problem))
-    contacts, loads = evaluation.solved.contacts[:own], evaluation.loads[:own]
+    contacts, loads = evaluation.solved_loads.contacts[:own], evaluation.loads[:own]
     for first, again in ((0, 4), (1, 3)):
         assert contacts[first] is contacts[again] and loads[first] is loads[again]
     assert len({id(one) for one in contacts}) == 3

@@ -48,7 +48,7 @@ def steps(
 def solved(asked: fem_seal.Case) -> list[CaseLoad]:
     """Loads with their leak, without all that a run adds."""
     problem = SealProblem.of(asked)
-    found = evaluate(problem).solved
+    found = evaluate(problem).solved_loads
     assert not found.failures
     rough = LeakModel.of(problem.surface, problem.flow, found.contacts)
     points = problem.loads.points
@@ -102,7 +102,7 @@ def test_the_loads_of_the_list_leave_nothing_to_each_other() -> None:
 def test_the_earlier_load_acts_without_fluid() -> None:
     problem = SealProblem.of(steps(earlier="3 kN"))
     evaluated = evaluate(problem)
-    model, found = evaluated.model, evaluated.solved
+    model, found = evaluated.model, evaluated.solved_loads
     (earlier,) = largest_before(found.contacts)
     assert earlier.contact_force == 3e3
     assert earlier.largest is None
@@ -168,7 +168,7 @@ def test_less_force_meets_a_target_after_a_proof_load() -> None:
 def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_every_load() -> None:
     soft = {**STEEL, "yield_stress": "60 MPa"}
     problem = SealProblem.of(steps(("300 N",), "5 kN", seat=cone(soft)))
-    found = evaluate(problem).solved
+    found = evaluate(problem).solved_loads
     load = LoadResult(*problem.loads.points[0], found.contacts[0], mesh_error=NOT_ESTIMATED)
     new = load.with_values(contact=replace(load.contact, earlier=None))
     assert not [one for one in load_validity(problem, new).cautions if one.kind == "yield stress"]
@@ -199,7 +199,7 @@ def test_the_fluid_pressure_that_once_closed_it_acts_between_the_surfaces_too() 
         "largest_earlier_pressure": "30 bar",
     }
     problem = SealProblem.of(case(load=load))
-    found = evaluate(problem).solved
+    found = evaluate(problem).solved_loads
     low, high = found.contacts
     (earlier,) = largest_before(found.contacts)
     # first loading at the pressure itself, although it was solved as a contact that remembers
@@ -215,7 +215,7 @@ OVAL = {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": 
 @cache
 def oval() -> CaseLoad:
     problem = SealProblem.of(steps(("300 N",), "3 kN", form=OVAL))
-    found = evaluate(problem).solved
+    found = evaluate(problem).solved_loads
     (contact,), (circumference,) = found.contacts, found.circumferences
     bare = LoadResult(*problem.loads.points[0], contact, circumference=circumference)
     rough = LeakModel.of(problem.surface, problem.flow, bare.contacts)
@@ -380,7 +380,7 @@ def test_elastic_asperities_of_a_path_remember_nothing() -> None:
 
 def test_samples_of_some_loads_remember_the_others() -> None:
     problem = SealProblem.of(steps(["1 kN", "3 kN", "2 kN"], seat=cone(SOFT), mesh={"contact_size": "80 um"}))
-    found = evaluate(problem).solved
+    found = evaluate(problem).solved_loads
     every = linearised_again(found.contacts, problem.law)
     (last,) = linearised_again(found.contacts[2:], problem.law)
     np.testing.assert_array_equal(last.largest, every[2].largest)

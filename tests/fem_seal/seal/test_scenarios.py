@@ -51,6 +51,6 @@ def test_a_further_reading_is_one_more_name(monkeypatch):
 
 def test_bounds_are_widened_and_back():
     ends = Bounds.of([3.0, 1.0, 2.0])
-    assert ends == (1.0, 3.0) and ends.apart and not Bounds(1.0, 1.004).apart
-    wide = ends.widened(Bounds.factor_bounds(4.0))
+    assert ends == (1.0, 3.0) and ends.is_range and not Bounds(1.0, 1.004).is_range
+    wide = ends.widen(Bounds.factor_bounds(4.0))
     assert wide == (0.25, 12.0) and wide.ratio_to(Bounds.factor_bounds(4.0)) == ends

@@ -76,10 +76,10 @@ def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
 
 def test_a_design_fails_alone():
     batch = Batch()
-    assert batch.each(range(3), lambda number: 1.0 / (number - 1)) == {0: -1.0, 2: 1.0}
+    assert batch.map(range(3), lambda number: 1.0 / (number - 1)) == {0: -1.0, 2: 1.0}
     assert isinstance(batch.failed[1], ZeroDivisionError)
     # and is left out from there on
-    assert batch.each(range(3), lambda number: number) == {0: 0, 2: 2}
+    assert batch.map(range(3), lambda number: number) == {0: 0, 2: 2}
 
 
 def test_an_error_in_common_work_is_the_affair_of_one():
@@ -87,10 +87,10 @@ def test_an_error_in_common_work_is_the_affair_of_one():
         return [1.0 / one for one in asked]
 
     batch = Batch()
-    found = batch.at_once({3: 2.0, 5: 0.0, 8: 4.0}, inverses)
+    found = batch.answer_together({3: 2.0, 5: 0.0, 8: 4.0}, inverses)
     assert (found[3], found[8]) == (0.5, 0.25)
     assert isinstance(found[5], ZeroDivisionError)
-    assert batch.at_once({}, inverses) == {}
+    assert batch.answer_together({}, inverses) == {}
 
 
 def test_the_time_of_others_is_not_that_of_a_design(monkeypatch):
@@ -107,9 +107,9 @@ def test_the_time_of_others_is_not_that_of_a_design(monkeypatch):
 
     batch = Batch(turn)
     for _ in range(5):
-        batch.each([0, 1], lambda number: takes(0.02 * number))
+        batch.map([0, 1], lambda number: takes(0.02 * number))
     assert batch.seconds == pytest.approx({0: 0.0, 1: 0.1})
-    batch.at_once({0: None, 1: None}, lambda asked: asked)
+    batch.answer_together({0: None, 1: None}, lambda asked: asked)
     assert turns == [0, 1] * 5 + [None]
 
 

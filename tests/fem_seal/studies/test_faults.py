@@ -430,7 +430,7 @@ def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeyp
                 raise OSError("no such file")
             return responses.DesignResult(dict.fromkeys(columns, 1e-6 + 1e-9 * force), VALID)
 
-        return batch.each(cases, one)
+        return batch.map(cases, one)
 
     monkeypatch.setattr(responses, "evaluate_designs", removed)
     plan = scanned(

@@ -520,7 +520,7 @@ def test_designs_with_rounded_edges_share_meshes(monkeypatch):
     found = [evaluate_design(case.replace({"load.fluid_pressure": one}), columns).values for one in pressures]
     # a size may cross a step once in this range, of six designs with as many spots of their own
     assert 1 <= len(made) <= 2
-    monkeypatch.setattr(sources, "rounded", lambda sizing, contact, *, exact_size, rounding: sizing)
+    monkeypatch.setattr(sources, "round_sizes", lambda sizing, contact, *, exact_size, rounding: sizing)
     own = evaluate_design(case.replace({"load.fluid_pressure": pressures[0]}), columns).values
     for name in columns:
         # what docs/guide/studies.md promises
@@ -532,7 +532,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     (edge, *_), (_, end) = contact.breaks.tolist(), contact.reach
     spots = ((edge, 1.1e-6), (end, 7.3e-6), (1.23e-5, 2.9e-6), (end - 1e-8, 3e-6))
     sizing = Sizing(4e-5, 1e-4, (0.9 * contact.reach[0], end), 0.1, 0.2, 1e-3, spots)
-    rounded = sources.rounded(sizing, contact)
+    rounded = sources.round_sizes(sizing, contact)
     (at_edge, fine), (near, size), (beside_end, _), (at_end, _) = sorted(rounded.spots)
     assert (at_edge, at_end) == (edge, end)
     assert 2**-0.25 * 1.1e-6 < fine <= 1.1e-6
@@ -541,7 +541,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     assert beside_end <= end
     # a neighbour's
     moved = replace(sizing, spots=((edge, 1.12e-6), (end, 7.2e-6), (1.25e-5, 2.92e-6), (end - 1e-8, 2.95e-6)))
-    assert sources.rounded(moved, contact) == rounded
+    assert sources.round_sizes(moved, contact) == rounded
 
 
 @pytest.mark.slow

@@ -124,7 +124,7 @@ def test_a_row_says_what_the_run_says_but_for_the_mesh():
     quick = evaluate_design(case, [LEAK_RATE]).validity
     (load,) = fem_seal.run(case).loads
     assert quick.level is load.validity.level is Level.OUTSIDE
-    complete = load.validity.without("mesh")
+    complete = load.validity.without_kinds("mesh")
     assert [one.kind for one in quick.cautions] == [one.kind for one in complete.cautions]
 
 
@@ -151,7 +151,7 @@ def test_strength_counts_although_bodies_are_shared():
         for one in ("15 MPa", "1 GPa")
     )
     assert weak.values == strong.values
-    assert weak.validity.outside and strong.validity.level is Level.VALID
+    assert weak.validity.outside_theory and strong.validity.level is Level.VALID
 
 
 @pytest.mark.slow

@@ -43,12 +43,12 @@ def test_the_worst_reason_comes_first_and_gives_the_level():
         caution(Level.DOUBTFUL, "c"),
     )
     found = Validity.of([doubtful, outside, other])
-    assert found.level is Level.OUTSIDE and found.outside
+    assert found.level is Level.OUTSIDE and found.outside_theory
     assert found.reasons == ("b", "a", "c")
     assert worst_first([doubtful, other, outside]) == (outside, doubtful, other)
     assert Validity.of([doubtful]).level is Level.DOUBTFUL
-    assert VALID.level is Level.VALID and VALID.reasons == () and not VALID.outside
-    assert found.without("kind") == VALID
+    assert VALID.level is Level.VALID and VALID.reasons == () and not VALID.outside_theory
+    assert found.without_kinds("kind") == VALID
     assert [f"{level}" for level in Level] == ["valid", "doubtful", "outside the theory"]
 
 
@@ -202,7 +202,7 @@ def soft_result():
 def test_every_load_has_its_own_validity(soft_result):
     low, high = soft_result.loads
     assert low.validity.level is not Level.OUTSIDE
-    assert high.validity.outside
+    assert high.validity.outside_theory
     assert "times its yield stress" in high.validity.reasons[0]
     assert not any("yield" in reason for reason in low.validity.reasons)
     # the warnings name the worst load, the worst of them first
@@ -231,7 +231,7 @@ def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
     found = load_validity(result.problem, result.loads[0].with_values(mesh_error=coarse))
     assert found.level is Level.DOUBTFUL and found.reasons == ("estimated discretisation error 1 %",)
-    assert found.without("mesh").level is Level.VALID
+    assert found.without_kinds("mesh").level is Level.VALID
 
 
 @pytest.mark.slow
@@ -239,11 +239,11 @@ def test_a_force_for_the_target_that_is_outside_the_theory_says_nothing_of_its_l
     """The load itself is far inside; the force that the target takes crushes the seat."""
     result = fem_seal.run(soft_seat(load={"fluid_pressure": "2 bar", "target_leak_rate": "0.02 mm^3/s"}))
     (found,) = result.loads
-    assert found.target_validity.outside
+    assert found.target_validity.outside_theory
     assert found.validity.level is Level.VALID
     assert any("at the force for the target leak rate" in one for one in result.warnings)
     contact = LoadResult(found.fluid_pressure, 0.0, found.contact, found.rough)
-    assert not warnings.target_validity(result.problem, contact).outside
+    assert not warnings.target_validity(result.problem, contact).outside_theory
 
 
 # ---------------------------------------------------------------- numbers that agree
@@ -380,7 +380,7 @@ def test_a_seat_that_the_spring_alone_crushes_is_outside_the_theory_at_every_pre
     assert stress[1] < 22e6 < 1.5 * 22e6 < stress[0]
     estimate = stress[1] * math.sqrt(4000 / lifted.contact_force)
     assert estimate < stress[0]
-    assert alone.validity.outside and lifted.validity.outside
+    assert alone.validity.outside_theory and lifted.validity.outside_theory
     said = next(one for one in lifted.validity.cautions if "under the applied force alone" in one.reason)
     assert f"{estimate / 22e6:.2g} times" in said.reason
     # a pressure that closes the seal, and a spring that the metal bears, leave nothing behind
@@ -412,7 +412,9 @@ def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_resul
     pressed = replace(profile, pressure=np.minimum(profile.pressure, limit))
     more = rough.leak(pressed, 2e6).leak_rate / given.leak.leak_rate
     assert found.leak_factor.high == pytest.approx(more, rel=1e-2) and more > 1.0
-    assert validity.without("nearly sealed", "fluid opens").leak_factor.high == pytest.approx(3.3, rel=1e-2)
+    assert validity.without_kinds("nearly sealed", "fluid opens").leak_factor.high == pytest.approx(
+        3.3, rel=1e-2
+    )
     (made,) = case_loads(result.problem, [given])
     whole = made.with_values(validity=validity)
     assert whole.leak_interval.high > 3.3 * rough.leak(pressed, 2e6).leak_rate
@@ -469,6 +471,6 @@ def test_a_lay_of_a_known_factor_makes_nothing_doubtful(process):
     assert [found.level for found in lay] == [Level.VALID]
     assert one.leak_interval.high >= lay[0].leak_factor.high * one.leak.leak_rate
     assert "lay" not in " ".join(one.validity.reasons)
-    assert one.validity.without("mesh").of_contact == VALID
+    assert one.validity.without_kinds("mesh").of_contact == VALID
     # and it is told, once
     assert sum("roughness with a lay" in text for text in result.warnings) == 1

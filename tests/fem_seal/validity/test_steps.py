@@ -13,7 +13,7 @@ from fem_seal.answers.case_load import case_loads
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.sources import Shared
+from fem_seal.seal.sources import SharedBodies
 from fem_seal.validity.checks import load_cautions, validity_of
 from fem_seal.validity.fluid import opening_factor
 
@@ -92,7 +92,7 @@ def test_the_upper_end_goes_through_sealing():
     ends = []
     for height in ("0.1214 um", "0.121 um"):
         of = given.replace({"roughness.spectrum.rms_height": height})
-        seal = evaluate(SealProblem.of(of), Shared())
+        seal = evaluate(SealProblem.of(of), SharedBodies())
         (found,) = case_loads(seal.problem, seal.loads)
         leaks = found.leak.leak_rate > 0.0
         ends.append((leaks, found.with_values(validity=validity_of(seal, found)).leak_interval.high))
@@ -107,7 +107,7 @@ def test_edges_that_a_contact_is_cut_off_at():
     found = []
     for height in ("0.0757 um", "0.0758 um"):
         problem = SealProblem.of(given.replace({"roughness.spectrum.rms_height": height}))
-        found.append(evaluate(problem, Shared()).loads[0].leak.leak_rate)
+        found.append(evaluate(problem, SharedBodies()).loads[0].leak.leak_rate)
     assert 0.0 < np.log(found[1] / found[0]) < STEP
 
 
