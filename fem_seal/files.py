@@ -275,9 +275,9 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     """
     if not table.header:
         columns = table.values.shape[1]
-        if table.above:
+        if table.lines_above:
             raise _table_error(
-                "column_names", above=table.above[-1][1][:60], columns=columns, example=example
+                "column_names", above=table.lines_above[-1][1][:60], columns=columns, example=example
             )
         raise TextTableError(f"has no header; name the columns and their units, {example}")
     words = [name_and_unit(header)[0] for header in table.header]

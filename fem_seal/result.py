@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 # What completion does not offer: steps of the calculation.
-_INTERNAL = {"answered", "every_load", "missing", "said_of_missing", "with_loads"}
+_INTERNAL = {"every_load", "load_problems", "missing_load_findings", "with_answers", "with_loads"}
 
 
 class SealResult(SealSolution):

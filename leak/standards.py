@@ -35,9 +35,9 @@ class ClosureTest:
     medium : {"water", "air"}
     share : float
         Of the rated pressure, of a relief valve of its set pressure.
-    below : float
+    below_rated : float
         The pressure is at least so much below that one [Pa].
-    most : float
+    highest_pressure : float
         Highest pressure of the test [Pa].
     classes : tuple of str
         For which it is; empty for all.
@@ -54,8 +54,8 @@ class ClosureTest:
     name: str
     medium: str
     share: float
-    below: float = -math.inf
-    most: float = math.inf
+    below_rated: float = -math.inf
+    highest_pressure: float = math.inf
     classes: tuple[str, ...] = ()
     of_its_kind: bool = False
 
@@ -72,7 +72,7 @@ class ClosureTest:
         rated : float
             Rated pressure of the valve, set pressure of a relief valve [Pa].
         """
-        return min(self.share * rated, rated - self.below, self.most)
+        return min(self.share * rated, rated - self.below_rated, self.highest_pressure)
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ STANDARDS = MappingProxyType(
     }
 )
 # Those whose best class is told of every leak rate.
-_TOLD = ("ISO 5208", "API 598", "FCI 70-2")
+_ALWAYS_GRADED = ("ISO 5208", "API 598", "FCI 70-2")
 
 # NPS [inch] to DN [mm] where it is not 25 mm to the inch.
 _NPS: dict[float, float] = dict(_DATA["nominal_sizes"]["NPS"])
@@ -440,7 +440,7 @@ def leakage_class(
     )
     return tuple(
         _tightest([one for one in limits if one.standard == standard], leak_rate, highest)
-        for standard in dict.fromkeys(one.standard for one in limits if one.standard in _TOLD)
+        for standard in dict.fromkeys(one.standard for one in limits if one.standard in _ALWAYS_GRADED)
     )
 
 

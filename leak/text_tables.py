@@ -49,7 +49,7 @@ class TextTable:
         The numbers, as they stand there; NaN where there is none.
     lines : tuple of int
         Line of the file in which each row stands.
-    above : tuple of (int, str)
+    lines_above : tuple of (int, str)
         Lines between the table before, or the beginning of the file, and the first row, comments too, with their
         numbers.
     rows : tuple of str
@@ -63,7 +63,7 @@ class TextTable:
     header: tuple[str, ...]
     values: FloatArray
     lines: tuple[int, ...]
-    above: tuple[tuple[int, str], ...] = ()
+    lines_above: tuple[tuple[int, str], ...] = ()
     rows: tuple[str, ...] = ()
     separator: str | None = None
     stray: tuple[int, str] | None = None
@@ -266,7 +266,7 @@ def only_table(tables: Sequence[TextTable]) -> TextTable:
     if lost.size:
         wrong = table.lines[lost[0]], table.rows[lost[0]]
     elif table.stray or others:
-        wrong = table.stray or others[0].above[-1]
+        wrong = table.stray or others[0].lines_above[-1]
     else:
         return table
     columns, first = table.values.shape[1], table.lines[0]
@@ -366,7 +366,7 @@ def _without_empty(table: TextTable) -> TextTable:
     if columns == table.values.shape[1]:
         return table
     # the line of names ends with a separator, too, or names the empty columns
-    header = _header([line for _, line in table.above], columns) or table.header[:columns]
+    header = _header([line for _, line in table.lines_above], columns) or table.header[:columns]
     return replace(table, header=header, values=table.values[:, :columns])
 
 

@@ -453,9 +453,11 @@ def _litres(rate: float | None) -> str:
 
 
 def _test_in_words(test: ClosureTest) -> str:
-    of = "set" if test.below > 0 else "rated"
-    lowest = f", at least {test.below / 6894.757:.0f} psi below it" if test.below > 0 else ""
-    highest = f", at most {test.most / 1e5:.3g} bar" if math.isfinite(test.most) else ""
+    of = "set" if test.below_rated > 0 else "rated"
+    lowest = f", at least {test.below_rated / 6894.757:.0f} psi below it" if test.below_rated > 0 else ""
+    highest = (
+        f", at most {test.highest_pressure / 1e5:.3g} bar" if math.isfinite(test.highest_pressure) else ""
+    )
     classes = f" (classes {', '.join(test.classes)})" if test.classes else ""
     return f"{test.name}: {test.medium} at {test.share:g} times the {of} pressure{lowest}{highest}{classes}"
 

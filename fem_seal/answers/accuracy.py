@@ -73,7 +73,7 @@ class Comparison:
         )
 
     @property
-    def largest(self) -> float:
+    def largest_change(self) -> float:
         """Largest of the changes that a user asks for."""
         return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
 
@@ -97,11 +97,11 @@ class CoarserLoad:
     contact: ContactSolution
 
     @cached_property
-    def as_it_is(self) -> Comparison:
+    def own_comparison(self) -> Comparison:
         """What is compared of this load itself."""
-        return self.compared("as it is", self.contact)
+        return self.compare("as it is", self.contact)
 
-    def compared(self, name: str, contact: ContactSolution) -> Comparison:
+    def compare(self, name: str, contact: ContactSolution) -> Comparison:
         """What is compared of this load on some contact."""
         flow = self.solver.flow
         pressure = self.solver.problem.loads.fluid_pressure[self.number]
@@ -137,17 +137,17 @@ def discretisation_error(
     sizing : Sizing
         Of the result.
     """
-    problem, fine, coarse = coarser.solver.problem, result, coarser.as_it_is
+    problem, fine, coarse = coarser.solver.problem, result, coarser.own_comparison
     ready = problem.contact.has_ready_mesh
     if ready:
         # a ready mesh cannot be made coarser, but finer
         fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
         solver = LoadSolver(problem, condensed(problem, fine_mesh))
         fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
-        coarse = coarser.compared("coarser", result)
+        coarse = coarser.compare("coarser", result)
     # Load steps of implicit Euler are of first order; elements of second at least.
     order = 1 if coarser.solver.model.yields else 2
-    change = coarse.relative_to(coarser.compared("finer", fine))
+    change = coarse.relative_to(coarser.compare("finer", fine))
 
     def estimated(change: float) -> float:
         """Relative error by Richardson's rule."""
@@ -171,7 +171,7 @@ def far_field(load: CoarserLoad, seal: SolvedSeal) -> tuple[Comparison, ...]:
     def change(name: str, model: ContactModel) -> Comparison:
         solver, steps = replace(load.solver, model=model), _STEPS // COARSER
         changed = solve_load(solver, load.number, steps=steps, start=load.contact)
-        return load.compared(name, changed).relative_to(load.as_it_is)
+        return load.compare(name, changed).relative_to(load.own_comparison)
 
     changes = []
     for name, condense in _variations(load.solver, load.mesh, seal):
@@ -227,7 +227,7 @@ def _compute(seal: SolvedSeal, request: Request) -> Accuracy:
     with request.clock.step("error", "estimating the discretisation error"):
         coarser = on_coarser_mesh(seal.problem, sizing, strongest)
         estimate = partial(discretisation_error, seal.loads[strongest].contact, coarser, sizing)
-        error = request.steps.compute(ACCURACY.what, estimate, NOT_ESTIMATED)
+        error = request.steps.compute(ACCURACY.subject, estimate, NOT_ESTIMATED)
     with request.clock.step("far field", "comparing sizes and supports far from the contact"):
         far = request.steps.compute("influence of the far field", partial(far_field, coarser, seal), ())
     return Accuracy(error, far)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Load = TypeVar("Load", bound=LoadResult)
 Value = TypeVar("Value")
-Other = TypeVar("Other")
+Fallback = TypeVar("Fallback")
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class OptionalSteps:
 
     failures: list[str] = field(default_factory=list)
 
-    def compute(self, what: str, calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+    def compute(self, what: str, calculate: Callable[[], Value], otherwise: Fallback) -> Value | Fallback:
         """What `calculate` gives or, if it fails, `otherwise`.
 
         Parameters
@@ -160,23 +160,23 @@ class Request:
 class Answer(Generic[T]):
     """One thing that is asked of a solved seal.
 
-    As an attribute of a class with ``answers`` it is what was found, or `otherwise`.
+    As an attribute of a class with ``answers`` it is what was found, or `fallback`.
 
     Parameters
     ----------
     name : str
         Under which it stands in `SealResult.answers`.
-    what : str
+    subject : str
         Subject of the sentence where it fails.
     compute : callable
         Gives the answer to a solved seal and an `Request`.
-    otherwise : object
+    fallback : object
         The answer where it does not apply or fails.
     applies : callable
         Whether it is asked of a solved seal that has what it needs; always unless given.
     of_load : callable
         Gives a load, of a number, with what the answer knows of it; the same load unless given.
-    doing : str
+    status : str
         Told while it is computed, and then it is timed; empty where `compute` sees to that with `Request.clock`.
     clock : str
         Name of its time; `name` unless given.
@@ -191,12 +191,12 @@ class Answer(Generic[T]):
     """
 
     name: str
-    what: str
+    subject: str
     compute: Callable[[SolvedSeal, Request], T]
-    otherwise: T
+    fallback: T
     applies: Callable[[SolvedSeal, Request], bool] = lambda seal, request: True
     of_load: Callable[[CaseLoad, int, T], CaseLoad] = lambda load, number, found: load
-    doing: str = ""
+    status: str = ""
     clock: str = ""
     needs: tuple[str, ...] = ()
     asked_by: str = ""
@@ -216,7 +216,7 @@ class Answer(Generic[T]):
         has_all = requested is not False and all(_has(seal, attribute) for attribute in needs)
         return has_all and self.applies(seal, request)
 
-    def found(self, seal: SolvedSeal, request: Request) -> T:
+    def compute_or_fall_back(self, seal: SolvedSeal, request: Request) -> T:
         """The answer to a seal of which it is asked; a failure becomes a warning.
 
         Parameters
@@ -224,12 +224,12 @@ class Answer(Generic[T]):
         seal : SolvedSeal
         request : Request
         """
-        with request.clock.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
-            return request.steps.compute(self.what, partial(self.compute, seal, request), self.otherwise)
+        with request.clock.step(self.clock or self.name, self.status) if self.status else nullcontext():
+            return request.steps.compute(self.subject, partial(self.compute, seal, request), self.fallback)
 
     def of(self, answers: Mapping[str, Any]) -> T:
         """Itself among the answers of a result."""
-        found: T = answers.get(self.name, self.otherwise)
+        found: T = answers.get(self.name, self.fallback)
         return found
 
     @overload

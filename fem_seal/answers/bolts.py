@@ -113,6 +113,6 @@ BOLTS = Answer[BoltAnswers | None](
     _compute,
     None,
     of_load=_of_load,
-    doing="bolts",
+    status="bolts",
     needs=("problem.loads.bolts",),
 )

@@ -29,7 +29,7 @@ from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.samples import AnyInput, drawn_values, uncertain_inputs
-from fem_seal.answers.solution import SealSolution, answered
+from fem_seal.answers.solution import SealSolution, answer_parts
 from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import VERDICT, Verdicts, seal_verdict, with_verdicts
 from fem_seal.arrays import FloatArray, IntArray
@@ -50,13 +50,13 @@ from fem_seal.validity.checks import validity_of
 
 _DRAWS = 2**15
 # Draws that keep the posterior: as many as a run has samples in its finest intervals.
-_KEPT = 512
+_POSTERIOR_DRAWS = 512
 # Draws that the posterior must be worth.
 _FEWEST = 50.0
 # Largest share of data sets of the prior that are farther from it than those that are called a conflict.
 _CONFLICT = 0.02
 # Draws of the posterior that say what a next test is expected to leave.
-_SHOWN = 4096
+_PREDICTION_DRAWS = 4096
 # Of values that a finish leaves open.
 _UNITS = {
     **dict.fromkeys(HEIGHTS, "m"),
@@ -99,7 +99,7 @@ class LearnedInput:
     unit: str = "factor"
 
     @property
-    def learned(self) -> float:
+    def narrowing(self) -> float:
         """One less the ratio of both widths, of logarithms [-]."""
         before, after = (math.log(one[2] / one[0]) for one in (self.prior, self.posterior))
         return 1.0 - after / before if before > 0.0 else 0.0
@@ -116,7 +116,7 @@ class NextTest:
     fluid : str
     fluid_pressure, applied_force, largest_earlier_force : float
         NaN where it is no leak test [Pa], [N], [N].
-    width, expected : float
+    width, expected_width : float
         95 over 5 % of the leak rate now, and expected after the test [-].
     """
 
@@ -126,12 +126,12 @@ class NextTest:
     applied_force: float = math.nan
     largest_earlier_force: float = math.nan
     width: float = math.nan
-    expected: float = math.nan
+    expected_width: float = math.nan
 
     @property
     def narrowing(self) -> float:
         """Share of the width of ln Q that goes [-]."""
-        return 1.0 - math.log(self.expected) / math.log(self.width) if self.width > 1.0 else 0.0
+        return 1.0 - math.log(self.expected_width) / math.log(self.width) if self.width > 1.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Calibration:
     ----------
     case : Case
     readings : tuple of MeasuredLeak
-    expected, explained : tuple of Percentiles
+    prior_rates, posterior_rates : tuple of Percentiles
         Leak rate of each reading's load before and after the test [m^3/s].
     predictions : tuple of Prediction
         Of each load of the case.
@@ -158,7 +158,7 @@ class Calibration:
         Draws that the posterior is worth.
     posterior : Posterior
         As many draws of it as a case samples.
-    judged : SealSolution or None
+    solution : SealSolution or None
         The loads of the case with the interval that the test has left and their verdicts; None without a requirement,
         and where the calibration is not settled.
 
@@ -171,8 +171,8 @@ class Calibration:
 
     case: Case
     readings: tuple[MeasuredLeak, ...]
-    expected: tuple[Percentiles, ...]
-    explained: tuple[Percentiles, ...]
+    prior_rates: tuple[Percentiles, ...]
+    posterior_rates: tuple[Percentiles, ...]
     predictions: tuple[Prediction, ...]
     inputs: tuple[LearnedInput, ...]
     p_value: float
@@ -181,10 +181,10 @@ class Calibration:
     next_tests: tuple[NextTest, ...]
     effective_draws: float
     posterior: Posterior = field(repr=False)
-    judged: SealSolution | None = field(default=None, repr=False)
+    solution: SealSolution | None = field(default=None, repr=False)
 
     @property
-    def settled(self) -> bool:
+    def is_usable(self) -> bool:
         """Whether draws of the posterior can stand for it in other calculations."""
         return self.conflict is None and self.effective_draws >= _FEWEST
 
@@ -380,7 +380,7 @@ def calibrate(
     y = joint.y[:, places]
     data = Data.of(readings, joint.slack)
     weights = weights_of(data.log_likelihood(y))
-    kept = _resampled(weights, _SHOWN, seed)
+    kept = _resample(weights, _PREDICTION_DRAWS, seed)
     p_value = data_p_value(y, data, seed)
     conflict = conflict_of(y, data, _drive(readings)) if p_value < _CONFLICT else None
     last = len(own.load.points) - 1
@@ -417,18 +417,18 @@ def calibrate(
         float(1.0 / (weights**2).sum()),
         _posterior(inputs, uniform, joint, weights, [*range(last + 1), *places], seed),
     )
-    judges = found.settled and case.requirement is not None
+    judges = found.is_usable and case.requirement is not None
     return (
-        replace(found, judged=_judged(case, joint.y[:, : last + 1], weights, progress)) if judges else found
+        replace(found, solution=_judge(case, joint.y[:, : last + 1], weights, progress)) if judges else found
     )
 
 
-def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -> SealSolution:
+def _judge(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -> SealSolution:
     """The loads of a case with the interval that a test has left of each, and what is said of its requirement."""
     progress("verdict after the test")
     case = warmed(case)
     found = evaluate_seal(problems_of(case))
-    seal = answered(
+    seal = answer_parts(
         SolvedSeal.of(found, case, loads_of(found)), Request(found[0].solver, SILENT), [ACCURACY, OPENING]
     )
     outside, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
@@ -437,18 +437,18 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
         low, middle, high = _exp(percentiles(own, weights, shares))
         left = load.with_values(
             validity=load.validity_by(validity_of, found),
-            sampled=Bounds(low, high),
+            sample_ends=Bounds(low, high),
             leak_rate_p50=middle,
-            tested=True,
+            after_test=True,
             scenarios={
                 name: _sampled_as(load, scenario, low, high) if name == TEST_GAS else scenario
                 for name, scenario in load.scenarios.items()
             },
         )
-        loads.append(left.with_values(passing=_passing(case, left, own, weights)))
+        loads.append(left.with_values(chance=_pass_chance(case, left, own, weights)))
     judged = with_verdicts(case, loads)
     verdict = Verdicts(
-        seal_verdict(case, judged, seal.missing, seal.problem.hardness),
+        seal_verdict(case, judged, seal.load_problems, seal.problem.hardness),
         tuple(one.judgement for one in judged),
     )
     return SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
@@ -458,10 +458,10 @@ def _sampled_as(load: CaseLoad, scenario: CaseLoad, low: float, high: float) -> 
     """A scenario of a load with the ends of draws that leak as much more than the load itself as it does."""
     assert load.leak is not None and scenario.leak is not None  # of draws
     more = scenario.leak.leak_rate / load.leak.leak_rate if load.leak.leak_rate > 0.0 else 1.0
-    return scenario.with_values(sampled=Bounds(more * low, more * high))
+    return scenario.with_values(sample_ends=Bounds(more * low, more * high))
 
 
-def _passing(case: Case, load: CaseLoad, y: FloatArray, weights: FloatArray) -> PassProbability | None:
+def _pass_chance(case: Case, load: CaseLoad, y: FloatArray, weights: FloatArray) -> PassProbability | None:
     """Weight of the draws of a load that keep the requirement; None where nothing is required of it."""
     if case.requirement is None or not case.requirement.judges(load.fluid_pressure):
         return None
@@ -528,7 +528,7 @@ def _drive(readings: Sequence[MeasuredLeak]) -> FloatArray:
     return np.array(found)
 
 
-def _resampled(weights: FloatArray, count: int, seed: int) -> IntArray:
+def _resample(weights: FloatArray, count: int, seed: int) -> IntArray:
     """Numbers of draws that stand for the weighted ones, each as often as it weighs."""
     places = (np.arange(count) + np.random.default_rng(seed).random()) / count
     found = np.minimum(np.cumsum(weights).searchsorted(places), len(weights) - 1)
@@ -544,11 +544,11 @@ def _posterior(
     seed: int,
 ) -> Posterior:
     """Draws of the posterior, with the theory's error at the peak pressures of some loads."""
-    kept = _resampled(weights, _KEPT, seed)
+    kept = _resample(weights, _POSTERIOR_DRAWS, seed)
     names = [name for one in inputs for name in columns_of(one.name, one.dimensions)]
     drawn = dict(zip(names, uniform[kept % _DRAWS].T, strict=False))
     if not np.ptp(joint.factor) > 0.0:
-        return Posterior(drawn, error=np.empty((_KEPT, 0)))
+        return Posterior(drawn, error=np.empty((_POSTERIOR_DRAWS, 0)))
     _, different = np.unique(joint.log_peak[loads].round(2), return_index=True)
     chosen = np.array(loads)[different]
     return Posterior(drawn, joint.log_peak[chosen], joint.error[np.ix_(kept, chosen)])
@@ -627,14 +627,14 @@ def _next_tests(
     draws = measurements.Draws(_SHARES[2] - _SHARES[0], values, log_rate, np.zeros(target.size), noise)
     known, own, alone = measurements.instruments(), draws.log_rate[:, 0], Bounds(1.0, 1.0)
     (accuracy,) = known[measurements.LEAK_TEST]["accuracies"].values()
-    shown = [(test, draws.shown_by_test(at, accuracy, alone)) for at, (test, _) in enumerate(candidates, 1)]
+    shown = [(test, draws.weigh_test(at, accuracy, alone)) for at, (test, _) in enumerate(candidates, 1)]
     if "hardness" in values:
-        shown.append((NextTest("hardness"), draws.shown(known["hardness_test"]["accuracies"])))
-    now = draws.width(own, measurements.EVEN)
+        shown.append((NextTest("hardness"), draws.weigh(known["hardness_test"]["accuracies"])))
+    now = draws.width(own, measurements.EVEN_WEIGHTS)
     after = ((test, draws.width(own, weights)) for test, weights in shown)
     found = [
-        replace(test, width=math.exp(min(now, 700.0)), expected=math.exp(min(left, 700.0)))
+        replace(test, width=math.exp(min(now, 700.0)), expected_width=math.exp(min(left, 700.0)))
         for test, left in after
         if now is not None and left is not None
     ]
-    return tuple(sorted(found, key=lambda one: one.expected))
+    return tuple(sorted(found, key=lambda one: one.expected_width))

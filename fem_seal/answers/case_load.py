@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from meshes import SealMesh
 
 
-Whole = TypeVar("Whole", "SealProblem", "Evaluation")
+Item = TypeVar("Item", "SealProblem", "Evaluation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,12 +70,12 @@ class CaseLoad(LoadResult):
         How far the numbers can be trusted, and why no further; see guide/validity in the manual.
     target_validity : Validity or None
         The same of `force_for_target`; None without it.
-    sampled : Bounds or None
+    sample_ends : Bounds or None
         Ends of the samples of uncertain inputs, in all scenarios whose numbers are in the interval and with the
         theory's own error [m^3/s]; None where none is sampled.
     leak_rate_p50 : float or None
         Median of the samples in the nominal scenario, with the theory's own error [m^3/s]; None where none is sampled.
-    tested : bool
+    after_test : bool
         Whether the samples are those that a leak test has left; the inputs as given are then none of them.
     rougher : float
         What the gaps of the roughest samples let through over that of the surface as given, by h^3/eta [-].
@@ -85,7 +85,7 @@ class CaseLoad(LoadResult):
         Whether it keeps what [requirement] asks of it; None where nothing is asked.
     verdict_force : VerdictForce or None
         The force at which the verdict passes; None if not asked.
-    passing : PassProbability or None
+    chance : PassProbability or None
         How likely it keeps that; None where nothing is asked.
     bolts : BoltState or None
         What each bolt carries; None without bolts.
@@ -99,14 +99,14 @@ class CaseLoad(LoadResult):
     preload_for_target: float | None = None
     validity: Validity = VALID
     target_validity: Validity | None = None
-    sampled: Bounds | None = None
+    sample_ends: Bounds | None = None
     leak_rate_p50: float | None = None
-    tested: bool = False
+    after_test: bool = False
     rougher: float = 1.0
     at_preload_ends: Bounds | None = None
     judgement: LoadVerdict | None = None
     verdict_force: VerdictForce | None = None
-    passing: PassProbability | None = None
+    chance: PassProbability | None = None
     bolts: BoltState | None = None
 
     @classmethod
@@ -158,7 +158,7 @@ class CaseLoad(LoadResult):
         leaks = [load.leak for load in (self, *beside)]
         return Bounds.of(leak.leak_rate for leak in leaks if leak) if beside and all(leaks) else None
 
-    def known_in(self, name: str) -> CaseLoad | None:
+    def load_in_scenario(self, name: str) -> CaseLoad | None:
         """The load in a scenario on its contact, with what is known of the load itself; None where it is that one.
 
         Parameters
@@ -179,7 +179,7 @@ class CaseLoad(LoadResult):
         return other.with_values(
             at_preload_ends=ends,
             rougher=self.rougher,
-            tested=self.tested,
+            after_test=self.after_test,
             validity=self.validity,
             mesh_error=self.mesh_error,
         )
@@ -199,16 +199,16 @@ class CaseLoad(LoadResult):
         (load,) = parts
         return load
 
-    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], wholes: Sequence[Whole]) -> Validity:
+    def validity_by(self, check: Callable[[Item, CaseLoad], Validity], items: Sequence[Item]) -> Validity:
         """What a check says of it, given the problem or the evaluation of each of its parts.
 
         Parameters
         ----------
         check : callable
-        wholes : sequence of SealProblem or Evaluation
+        items : sequence of SealProblem or Evaluation
         """
-        (whole,) = wholes
-        return check(whole, self)
+        (item,) = items
+        return check(item, self)
 
     @property
     def named_bodies(self) -> dict[str, tuple[int, str]]:
@@ -300,7 +300,7 @@ class CaseLoad(LoadResult):
         )
 
     @cached_property
-    def unsealed(self) -> tuple[float, float]:
+    def unsealed_rates(self) -> tuple[float, float]:
         """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
         flow = None if self.rough is None else self.rough.flow
         if self.rough is None or flow is None:
@@ -364,7 +364,7 @@ class CaseLoad(LoadResult):
     def leak_validity(self) -> Validity:
         """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
         # the samples have the theory's own error
-        own = self.theory_error if self.sampled is None else EXACT
+        own = self.theory_error if self.sample_ends is None else EXACT
         share = None if self.mesh_error is None else self.mesh_error.leak_rate
         return _add_doubts(self.validity, share, own)
 
@@ -373,9 +373,9 @@ class CaseLoad(LoadResult):
         """`leak_interval` without what the calculation may be off by [m^3/s]."""
         if self.leak is None:
             return None
-        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
-        if self.tested and self.sampled is not None:
-            known = [*self.sampled]
+        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sample_ends or ())]
+        if self.after_test and self.sample_ends is not None:
+            known = [*self.sample_ends]
         return Bounds.of([*known, *(self.at_preload_ends or ())])
 
     @property
@@ -394,14 +394,14 @@ class CaseLoad(LoadResult):
     @property
     def most_leak(self) -> float:
         """What physics lets through: the open bore, and the rough gap of a round seal without load [m^3/s]."""
-        bore, gap = self.unsealed
+        bore, gap = self.unsealed_rates
         return min(bore, self.rougher * gap)
 
     @property
     def has_interval(self) -> bool:
         """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
         ends = self.leak_interval
-        made = any(one is not None for one in (self.leak_range, self.sampled, self.at_preload_ends))
+        made = any(one is not None for one in (self.leak_range, self.sample_ends, self.at_preload_ends))
         return ends is not None and (made or ends.is_range)
 
     @property
@@ -417,17 +417,17 @@ class CaseLoad(LoadResult):
     @property
     def pass_probability(self) -> float | None:
         """Share of the samples that keep the requirement; None where nothing is required."""
-        return None if self.passing is None else self.passing.share
+        return None if self.chance is None else self.chance.share
 
     @property
     def pass_probability_error(self) -> float | None:
         """Its standard error; None where nothing is required."""
-        return None if self.passing is None else self.passing.error
+        return None if self.chance is None else self.chance.error
 
     @property
     def batch_share_p05(self) -> float | None:
         """Share of a batch that passes with 95 % confidence; None where nothing is required."""
-        return None if self.passing is None else self.passing.batch_low
+        return None if self.chance is None else self.chance.batch_low
 
     @property
     def force_for_verdict(self) -> float | None:
@@ -470,11 +470,11 @@ def case_loads(
     models = {id(load.rough): load.rough for load in loads}
     ready = {key: model and prepare("", model) for key, model in models.items()}
     known = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
-    made = dict(zip(different, _beside(problem, known, prepare), strict=True))
+    made = dict(zip(different, _add_scenarios(problem, known, prepare), strict=True))
     return [made[id(load)] for load in loads]
 
 
-def _beside(
+def _add_scenarios(
     problem: SealProblem, loads: Sequence[LoadResult], prepare: Prepare, *, interval_alone: bool = False
 ) -> list[CaseLoad]:
     """Loads with the scenarios beside them, or with those alone of which the interval is made."""
@@ -486,7 +486,7 @@ def _beside(
         different = [number for number, other in enumerate(others) if other is not loads[number]]
         changed = [others[number] for number in different]
         if SCENARIOS[scenario.name].has_interval:
-            made = _beside(scenario.problem, changed, prepare, interval_alone=True)
+            made = _add_scenarios(scenario.problem, changed, prepare, interval_alone=True)
         else:
             made = list(map(CaseLoad.of, changed))
         for number, load in zip(different, made, strict=True):
@@ -521,11 +521,11 @@ class SolvedSeal:
     model : ContactModel
     loads : tuple of CaseLoad
         In the order of the case.
-    unloaded : UnloadedBodies or None
+    unloaded_bodies : UnloadedBodies or None
         Residual stress and imprint after the last load; None if all bodies are elastic.
-    not_calculated : tuple of MissingLoad
+    missing_loads : tuple of MissingLoad
         The other loads of the case.
-    said_of_missing : tuple of Finding
+    missing_load_findings : tuple of Finding
         Why, in words.
     other_parts : tuple of SolvedSeal
         The seal with each further contact that is solved by itself.
@@ -536,9 +536,9 @@ class SolvedSeal:
     seal_mesh: SealMesh
     model: ContactModel
     loads: tuple[CaseLoad, ...]
-    unloaded: UnloadedBodies | None = None
-    not_calculated: tuple[MissingLoad, ...] = ()
-    said_of_missing: tuple[Finding, ...] = ()
+    unloaded_bodies: UnloadedBodies | None = None
+    missing_loads: tuple[MissingLoad, ...] = ()
+    missing_load_findings: tuple[Finding, ...] = ()
     other_parts: tuple[SolvedSeal, ...] = ()
 
     @classmethod
@@ -570,14 +570,14 @@ class SolvedSeal:
         return replace(first, loads=tuple(loads), other_parts=tuple(others))
 
     @property
-    def missing(self) -> dict[tuple[float, float], LoadProblem]:
+    def load_problems(self) -> dict[tuple[float, float], LoadProblem]:
         """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
-        return {one.point: one.problem for one in self.not_calculated}
+        return {one.point: one.problem for one in self.missing_loads}
 
     @property
     def every_load(self) -> list[AnyLoad]:
         """The loads of the case in its order, with those that could not be calculated."""
-        return in_order([*self.loads], self.not_calculated, lambda one: one)
+        return in_order([*self.loads], self.missing_loads, lambda one: one)
 
     @property
     def parts(self) -> tuple[SolvedSeal, ...]:
@@ -599,7 +599,7 @@ class SolvedSeal:
     @property
     def imprints(self) -> dict[str, Imprint]:
         """Lasting imprints by the name of the body, see `CaseLoad.named_bodies`."""
-        unloaded = [part.unloaded for part in (self, *self.other_parts)]
+        unloaded = [part.unloaded_bodies for part in (self, *self.other_parts)]
         return {
             name: after.imprints[body]
             for name, (number, body) in self.loads[0].named_bodies.items()

@@ -13,7 +13,7 @@ from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, OptionalSteps, Request, loads_of
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
-from fem_seal.answers.closed_forms import foreseen
+from fem_seal.answers.closed_forms import foresee_findings
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
@@ -24,7 +24,7 @@ from fem_seal.answers.pass_probability import PASS_PROBABILITY
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.sensitivities import SENSITIVITIES
-from fem_seal.answers.solution import SealSolution, answered
+from fem_seal.answers.solution import SealSolution, answer_parts
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
@@ -69,7 +69,7 @@ Read = TypeVar("Read", CaseLoad, LeakModel)
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {"leak": "leak rate"}
-_AROUND = {"leak_round": "leak rate of the round seal", "around": "leak around the axis"}
+_BY_ANGLE = {"leak_round": "leak rate of the round seal", "around": "leak around the axis"}
 _SEPARATION = {"critical_separation": "critical separation"}
 _STRESS = {"largest_stress": "stress"}
 _NO_STRESS = math.nan, ("closure", math.nan, math.nan)
@@ -117,12 +117,12 @@ def solve(
         In their order; all that are asked for unless given.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
-    seal = _solved(case, clock, steps, told=progress is not None)
+    seal = _solve_loads(case, clock, steps, told=progress is not None)
     solver = LoadSolver(seal.problem, seal.model)
     request = Request(solver, clock, sensitivities, verdict_force, full, steps, solve=solve)
     others = () if full else shown_in_full(seal)
     asked = [answer for answer in ANSWERS if answer.name not in others]
-    return _answered(seal, request, asked if answers is None else answers)
+    return _answer_all(seal, request, asked if answers is None else answers)
 
 
 # What is asked of given contacts: all that needs no bodies.
@@ -157,17 +157,17 @@ def solve_profiles(
     _simulate(problem, clock)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = [
-            _read(steps, _compute_values(steps, load, _LEAK), _SEPARATION)
+            _add_values(steps, _compute(steps, load, _LEAK), _SEPARATION)
             for load in leak_of_profiles(problem, profiles)
         ]
     nothing: Any = None  # of what has no bodies
     seal = SolvedSeal(case, problem, nothing, nothing, tuple(loads))
     request = Request(nothing, clock, steps=steps, answers={"profiles": tuple(profiles)})
-    return _answered(seal, request, _OF_PROFILES)
+    return _answer_all(seal, request, _OF_PROFILES)
 
 
-def _answered(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]) -> SealSolution:
-    seal = answered(seal, request, answers)
+def _answer_all(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]) -> SealSolution:
+    seal = answer_parts(seal, request, answers)
     texts = [caution.text for caution in all_cautions(request.answers)]
     warnings = (*texts, *request.remarks, *request.steps.failures)
     return SealSolution(
@@ -175,14 +175,14 @@ def _answered(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]
     )
 
 
-def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:
+def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
         case = warmed(case) if case.conducts_heat else case
         problems = problems_of(case)
         whole = problems[0]
         _ = whole.law  # made once for each surface, and here, where it is timed
-    for text in foreseen(whole) if told else ():
+    for text in foresee_findings(whole) if told else ():
         clock.progress(text)
     _simulate(whole, clock)
     refused = whole.loads.refused
@@ -196,7 +196,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
         steps.name_failure("residual stress and imprint", error)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
-            _read(steps, _compute_values(steps, load, {} if load.circumference is None else _AROUND), _LEAK)
+            _add_values(steps, _compute(steps, load, {} if load.circumference is None else _BY_ANGLE), _LEAK)
             for load in loads_of(found, partial(_with_table, steps))
         )
     with clock.step("stress", "stress in both bodies"):
@@ -204,15 +204,15 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
             for same in zip(*(load.parts for load in loads), strict=True):
                 move_together([load.contact for load in same])
         loads = tuple(
-            _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
+            _compute(steps, _add_values(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
     return replace(
         SolvedSeal.of(found, case.without_loads(missing), loads),
-        not_calculated=tuple(
+        missing_loads=tuple(
             MissingLoad(number, *whole.loads.points[number], missing[number], whole.loads.bolts is not None)
             for number in sorted(missing)
         ),
-        said_of_missing=tuple(not_calculated(whole.loads, missing)),
+        missing_load_findings=tuple(not_calculated(whole.loads, missing)),
     )
 
 
@@ -231,21 +231,19 @@ def _no_table(flow: object, surface: object) -> None:
     """In place of a flow conductivity that could not be calculated."""
 
 
-def _read(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str]) -> CaseLoad:
+def _add_values(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str]) -> CaseLoad:
     """A load with some values worked out, of the scenarios that are told of asperities as well."""
-    load = _compute_values(steps, load, values)
+    load = _compute(steps, load, values)
     return load.with_scenarios(
         {
-            name: _compute_values(
-                steps, other, {value: f"{what} of {asperities}" for value, what in values.items()}
-            )
+            name: _compute(steps, other, {value: f"{what} of {asperities}" for value, what in values.items()})
             for name, other in load.scenarios.items()
             if (asperities := SCENARIOS[name].asperities)
         }
     )
 
 
-def _compute_values(
+def _compute(
     steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str], otherwise: object = None
 ) -> CaseLoad:
     at = f" at {format_quantity('fluid pressure', load.fluid_pressure)}"

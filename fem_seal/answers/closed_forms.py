@@ -46,11 +46,11 @@ _VON_MISES = 0.558
 # Plastic strain over a/R that stands for that of a contact in the fully plastic range, and steps to its flow stress.
 _TABOR, _ITERATIONS = 0.2, 20
 # What samples, and the search for the force of a target, take over the path of the loads: measured on copper rings.
-_SAMPLED, _TARGET = 2.0, 2.0
+_FOR_SAMPLES, _FOR_TARGET = 2.0, 2.0
 
 
 @dataclass(frozen=True)
-class DerivedLoad:
+class ClosedForm:
     """One load of a case with its closed pressure profiles.
 
     Parameters
@@ -86,7 +86,7 @@ class DerivedLoad:
 
 
 @dataclass(frozen=True)
-class Derived:
+class ClosedForms:
     """Closed-form numbers of a case.
 
     Parameters
@@ -106,7 +106,7 @@ class Derived:
         corrected theory at the peak of the load with the largest contact force; None for a smooth interface.
     law_pressure : float or None
         p_c [Pa].
-    loads : tuple of DerivedLoad
+    loads : tuple of ClosedForm
         One per fluid pressure.
     """
 
@@ -118,10 +118,10 @@ class Derived:
     rms_slope: float | None
     decay_length: float | None
     law_pressure: float | None
-    loads: tuple[DerivedLoad, ...]
+    loads: tuple[ClosedForm, ...]
 
 
-def derive(case: CaseSource) -> Derived:
+def derive(case: CaseSource) -> ClosedForms:
     """Closed-form numbers of a case: geometry, loads, and the Hertz, Gaussian and crossover profiles.
 
     Parameters
@@ -130,7 +130,7 @@ def derive(case: CaseSource) -> Derived:
 
     Returns
     -------
-    Derived
+    ClosedForms
         With law "spectrum" an exponential stands for the law: that of the elastic spectrum at low pressure or, of
         the corrected theory, at each load the one that touches the law at the peak pressure.
 
@@ -150,17 +150,17 @@ def derive(case: CaseSource) -> Derived:
     return derive_problems(problems_of(case_of(case)))
 
 
-def derive_problems(problems: Sequence[SealProblem]) -> Derived:
+def derive_problems(problems: Sequence[SealProblem]) -> ClosedForms:
     """`derive` of the problems of a seal.
 
     Parameters
     ----------
     problems : sequence of SealProblem
     """
-    return _derived(problems, [None] * len(problems[0].loads.points))
+    return _derive_from_forces(problems, [None] * len(problems[0].loads.points))
 
 
-def derive_beside(result: SolvedSeal) -> Derived:
+def derive_beside(result: SolvedSeal) -> ClosedForms:
     """Closed-form numbers to compare a result with: at a stop those of the force that it leaves to the gasket.
 
     Parameters
@@ -170,10 +170,10 @@ def derive_beside(result: SolvedSeal) -> Derived:
     if result.of_profile:
         return derive(result.case)
     held = [load.contact_force if load.stop_force else None for load in result.loads]
-    return _derived(problems_of(result.case), held)
+    return _derive_from_forces(problems_of(result.case), held)
 
 
-def _derived(problems: Sequence[SealProblem], held: Sequence[float | None]) -> Derived:
+def _derive_from_forces(problems: Sequence[SealProblem], held: Sequence[float | None]) -> ClosedForms:
     """Of a contact force F_N for each load [N], or of the one that is expected; of several problems the first one's."""
     problem, surface = problems[0], problems[0].surface
     loads = tuple(
@@ -188,7 +188,7 @@ def _derived(problems: Sequence[SealProblem], held: Sequence[float | None]) -> D
         gap = float(law.gap(np.array([math.log(strongest.peak_pressure)]))[0])
         decay_length = strongest.u0
         law_pressure = strongest.peak_pressure * math.exp(gap / decay_length)
-    return Derived(
+    return ClosedForms(
         initial_contact_radius=problem.initial_contact_radius,
         effective_modulus=problem.effective_modulus,
         relative_radius=problem.contact.relative_radius,
@@ -201,13 +201,13 @@ def _derived(problems: Sequence[SealProblem], held: Sequence[float | None]) -> D
     )
 
 
-def closed_form_limits(case: Case, derived: Derived) -> str:
+def closed_form_limits(case: Case, derived: ClosedForms) -> str:
     """Why the closed forms are not what a run finds: a law or faces that change within the contact; "" if they are.
 
     Parameters
     ----------
     case : Case
-    derived : Derived
+    derived : ClosedForms
         Of the same case.
     """
     law = _stiffening_law(SealProblem.of(case))
@@ -234,12 +234,12 @@ def without_stop(case: Case) -> str:
     return sentence("closed_forms", "stop") if stops else ""
 
 
-def strain_limit(derived: Derived) -> str:
+def strain_limit(derived: ClosedForms) -> str:
     """From which load on the closed forms expect more than small strains; "" if from none.
 
     Parameters
     ----------
-    derived : Derived
+    derived : ClosedForms
     """
     for load in derived.loads:
         closed = load.crossover or load.hertz
@@ -250,12 +250,12 @@ def strain_limit(derived: Derived) -> str:
     return ""
 
 
-def nearly_open(derived: Derived) -> str:
+def nearly_open(derived: ClosedForms) -> str:
     """Which loads the fluid carries on the sealed area, so that only a run decides about them; "" if there are none.
 
     Parameters
     ----------
-    derived : Derived
+    derived : ClosedForms
     """
     unit = fixed_unit("bar")
     carried = [load.fluid_pressure for load in derived.loads if math.isnan(load.contact_force)]
@@ -280,7 +280,7 @@ def _derive_load(
     held: float | None,
     *,
     profiles: bool,
-) -> DerivedLoad:
+) -> ClosedForm:
     problem = problems[0]
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
@@ -291,7 +291,7 @@ def _derive_load(
         force, profiles = math.nan, False
     f = line_load(force, r0, problem.contact.angle)
     decay_length = _decay_length(problem, f) if profiles else None
-    return DerivedLoad(
+    return ClosedForm(
         fluid_pressure=fluid_pressure,
         contact_force=force,
         line_load=f,
@@ -374,13 +374,13 @@ def widths(profiles: Sequence[Any]) -> FloatArray:
     return np.array([p.fwhm for p in profiles])
 
 
-def profile_sizes(result: SolvedSeal, derived: Derived) -> dict[str, Sizes]:
+def profile_sizes(result: SolvedSeal, derived: ClosedForms) -> dict[str, Sizes]:
     """Sizes of the "calculated" profiles and of each closed form that the case has, over its loads.
 
     Parameters
     ----------
     result : SolvedSeal
-    derived : Derived
+    derived : ClosedForms
         Closed forms of the case.
     """
     sizes = {"calculated": Sizes.of(result.profiles)}
@@ -391,17 +391,17 @@ def profile_sizes(result: SolvedSeal, derived: Derived) -> dict[str, Sizes]:
     return sizes
 
 
-def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[str]:
+def foresee_findings(problem: SealProblem, derived: ClosedForms | None = None) -> Iterator[str]:
     """Loads that are not calculated, and bodies that yield though they are solved as elastic, one sentence for each.
 
     Parameters
     ----------
     problem : SealProblem
-    derived : Derived, optional
+    derived : ClosedForms, optional
         Of the same problem.
     """
     yield from (one.text for one in not_calculated(problem.loads, problem.loads.refused))
-    yield from yielding(problem, derived or derive_problems([problem]))
+    yield from foresee_yielding(problem, derived or derive_problems([problem]))
 
 
 def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = False) -> float | None:
@@ -418,23 +418,23 @@ def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = F
     kept = problem.loads.without_loads(problem.loads.refused)
     if not (problem.curves and kept.points):
         return None
-    return (1.0 + _SAMPLED * sampled + _TARGET * target) * _seconds(replace(problem, loads=kept))
+    return (1.0 + _FOR_SAMPLES * sampled + _FOR_TARGET * target) * _seconds(replace(problem, loads=kept))
 
 
-def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
+def foresee_yielding(problem: SealProblem, derived: ClosedForms) -> Iterator[str]:
     """Bodies solved as elastic whose stress the closed forms expect above their yield stress.
 
     Parameters
     ----------
     problem : SealProblem
-    derived : Derived
+    derived : ClosedForms
     """
     closed = [(load.contact_force, load.line_load, load.crossover or load.hertz) for load in derived.loads]
     loads = sorted((one.peak_pressure, force, f) for force, f, one in closed if one is not None)
     if not loads:
         return
     # a body that yields lets no more through to the other one
-    loads = [(min(pressure, borne(problem, f)), force, f) for pressure, force, f in loads]
+    loads = [(min(pressure, bearable_pressure(problem, f)), force, f) for pressure, force, f in loads]
     peak, _, line_load = loads[-1]
     said: dict[str, list[str]] = {}
     for name, material in problem.materials.items():
@@ -467,7 +467,7 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
         yield f"{' and '.join(names)}: {text}"
 
 
-def borne(problem: SealProblem, line_load: float) -> float:
+def bearable_pressure(problem: SealProblem, line_load: float) -> float:
     """Pressure that bodies with a stress-strain curve bear in the fully plastic range [Pa]; infinite without one.
 
     The flow stress is that at a plastic strain of 0.2 a/R (Tabor, The Hardness of Metals, 1951).

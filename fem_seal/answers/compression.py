@@ -58,14 +58,14 @@ class Compression:
     stop: float | None = None
 
     @property
-    def largest(self) -> CompressionStep:
+    def largest_step(self) -> CompressionStep:
         """The load that presses the gasket together most; of several at a stop the largest."""
         return max(self.steps, key=lambda step: (step.compression, step.stop_force or 0.0))
 
     @property
     def springback(self) -> float | None:
         """By how much the gasket springs back from its largest compression [m]; None where that is not known."""
-        return None if self.left is None else self.largest.compression - self.left
+        return None if self.left is None else self.largest_step.compression - self.left
 
     def mean(self, other: Compression) -> Compression:
         """Of a gasket one of whose faces is pressed as here and the other as in another compression.
@@ -100,9 +100,9 @@ def _of_part(seal: SolvedSeal) -> Compression:
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
     if not seal.problem.follows_path:
         return Compression(tuple(steps), 0.0, stop)
-    if seal.unloaded is None:
+    if seal.unloaded_bodies is None:
         return Compression(tuple(steps), None, stop)
-    left = faces * seal.unloaded.closing_approach - layer
+    left = faces * seal.unloaded_bodies.closing_approach - layer
     steps.append(CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left, None if stop is None else 0.0))
     return Compression(tuple(steps), left, stop)
 

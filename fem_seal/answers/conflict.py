@@ -15,15 +15,15 @@ import numpy as np
 from fem_seal.arrays import BoolArray, FloatArray
 from fem_seal.case.measured import MeasuredLeak
 
-_SIMULATED = 4000
+_DATA_SETS = 4000
 # Draws of which a path beside the contact is added to each, and steps of what an explanation leaves open.
-_DRAWN, _STEPS = 2000, 281
+_PATH_DRAWS, _STEPS = 2000, 281
 # What an explanation leaves open, evenly in its logarithm: a factor, either way; leak of a path over that of the seal,
 # geometric means; scatter of ln Q beyond what is stated; how many times as fast the leak rate falls from load to load.
 # The draws have the theory's own error, so that little is left for the latter.
 _FACTOR, _PATH, _SCATTER, _SLOPE = 1e3, (1e-3, 1e3), (0.03, 3.0), 1.5
 # ln of a leak rate below which nothing leaks.
-_SEALED = -80.0
+_SEALED_LOG_RATE = -80.0
 
 
 @dataclass(frozen=True)
@@ -36,27 +36,27 @@ class Data:
         ln of the leak rates, or of the instrument's limit.
     spread : ndarray
         Standard deviation of y.
-    below : ndarray of bool
+    is_below : ndarray of bool
         Whether less leaked.
     """
 
     y: FloatArray
     spread: FloatArray
-    below: BoolArray
+    is_below: BoolArray
 
     @classmethod
     def of(cls, readings: Sequence[MeasuredLeak], slack: float = 0.0) -> Data:
         """Of readings whose leak rates are known to `slack`."""
         y = np.log([one.leak_rate for one in readings])
         spread = np.hypot([one.uncertainty for one in readings], slack)
-        return cls(y, spread, np.array([one.below for one in readings], dtype=bool))
+        return cls(y, spread, np.array([one.is_below for one in readings], dtype=bool))
 
     def log_likelihood(self, y: FloatArray) -> FloatArray:
         """Of each draw, from its y, shape (n, m); shape (n,)."""
         from scipy.special import log_ndtr
 
         away = (self.y - y) / self.spread
-        return np.asarray(np.where(self.below, log_ndtr(away), -0.5 * away**2).sum(axis=1))
+        return np.asarray(np.where(self.is_below, log_ndtr(away), -0.5 * away**2).sum(axis=1))
 
 
 def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
@@ -70,20 +70,20 @@ def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
     seed : int
     """
     random = np.random.default_rng(seed)
-    few = y[random.choice(len(y), _SIMULATED, replace=len(y) < _SIMULATED)]
+    few = y[random.choice(len(y), _DATA_SETS, replace=len(y) < _DATA_SETS)]
     few = few + data.spread * random.standard_normal(few.shape)
     shares = []
-    if not data.below.all():
-        shown = few[:, ~data.below]
+    if not data.is_below.all():
+        shown = few[:, ~data.is_below]
         covariance = np.atleast_2d(np.cov(shown.T)) + 1e-12 * np.eye(shown.shape[1])
         inverse, mean = np.linalg.inv(covariance), shown.mean(axis=0)
-        far, own = shown - mean, data.y[~data.below] - mean
+        far, own = shown - mean, data.y[~data.is_below] - mean
         distance = np.einsum("ij,jk,ik->i", far, inverse, far)
         shares.append(float((distance >= own @ inverse @ own).mean()))
-    if data.below.any():
-        shares.append(float((few[:, data.below] <= data.y[data.below]).all(axis=1).mean()))
+    if data.is_below.any():
+        shares.append(float((few[:, data.is_below] <= data.y[data.is_below]).all(axis=1).mean()))
     # of several looks the most surprising
-    return min(1.0, len(shares) * max(min(shares), 1.0 / _SIMULATED))
+    return min(1.0, len(shares) * max(min(shares), 1.0 / _DATA_SETS))
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def conflict_of(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
     ----------
     D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28: model comparison by evidence.
     """
-    y = np.maximum(y, _SEALED)
+    y = np.maximum(y, _SEALED_LOG_RATE)
     expected = y.mean(axis=0)
     away = data.y - expected
     farthest = int(np.argmax(np.abs(away) / np.hypot(y.std(axis=0), data.spread)))
@@ -189,10 +189,11 @@ class _Normal:
         """ln of the likelihood of readings; one below the instrument's limit counts by itself."""
         from scipy.special import log_ndtr
 
-        whole, shown, away = self.covariance + np.diag(data.spread**2), ~data.below, data.y - self.mean
+        whole, shown = self.covariance + np.diag(data.spread**2), ~data.is_below
+        away = data.y - self.mean
         root = np.linalg.cholesky(whole[np.ix_(shown, shown)])
         scores = np.linalg.solve(root, away[shown])
-        unseen = away[data.below] / np.sqrt(np.diag(whole)[data.below])
+        unseen = away[data.is_below] / np.sqrt(np.diag(whole)[data.is_below])
         normal = -0.5 * float(scores @ scores) - float(np.log(math.sqrt(2.0 * math.pi) * np.diag(root)).sum())
         return normal + float(log_ndtr(unseen).sum())
 
@@ -200,29 +201,29 @@ class _Normal:
 def _explanations(y: FloatArray, data: Data, log_drive: FloatArray) -> Iterator[Explanation]:
     prior, count = _Normal.of(y), len(data.y)
     factors = np.linspace(-math.log(_FACTOR), math.log(_FACTOR), _STEPS)
-    yield _best("factor", [(s, (), prior.log_density(replace(data, y=data.y - s))) for s in factors])
+    yield _explain("factor", [(s, (), prior.log_density(replace(data, y=data.y - s))) for s in factors])
     if count == 1:
         return
-    few = y[:: max(1, len(y) // _DRAWN)]
+    few = y[:: max(1, len(y) // _PATH_DRAWS)]
     paths = (prior.mean - log_drive).mean() + np.log(np.geomspace(*_PATH, _STEPS))
     beside = ((s, _Normal.of(np.logaddexp(few, s + log_drive))) for s in paths)
-    yield _best("path", [(s, (), one.log_density(data)) for s, one in beside])
+    yield _explain("path", [(s, (), one.log_density(data)) for s, one in beside])
     one_off = ((s, n, s * (np.arange(count) == n)) for n in range(count) for s in factors)
-    yield _best(
+    yield _explain(
         "reading", [(s, (n,), prior.log_density(replace(data, y=data.y - by))) for s, n, by in one_off]
     )
-    orders = ((changed, _reordered(data, changed)) for changed in _changed_places(count))
-    yield _best("order", [(math.log(len(one)), one, prior.log_density(other)) for one, other in orders])
+    orders = ((changed, _reorder(data, changed)) for changed in _changed_places(count))
+    yield _explain("order", [(math.log(len(one)), one, prior.log_density(other)) for one, other in orders])
     mean, centre = prior.mean, prior.mean.mean()
     slopes = np.linspace(-math.log(_SLOPE), math.log(_SLOPE), _STEPS)
     steeper = ((s, replace(prior, mean=centre + math.exp(s) * (mean - centre))) for s in slopes)
-    yield _best("slope", [(s, (), one.log_density(data)) for s, one in steeper])
+    yield _explain("slope", [(s, (), one.log_density(data)) for s, one in steeper])
     more = [np.hypot(data.spread, x) for x in np.geomspace(*_SCATTER, _STEPS)]
     wider = ((math.log(np.median(spread)), replace(data, spread=spread)) for spread in more)
-    yield _best("scatter", [(s, (), prior.log_density(other)) for s, other in wider])
+    yield _explain("scatter", [(s, (), prior.log_density(other)) for s, other in wider])
 
 
-def _best(name: str, tried: Sequence[tuple[float, tuple[int, ...], float]]) -> Explanation:
+def _explain(name: str, tried: Sequence[tuple[float, tuple[int, ...], float]]) -> Explanation:
     """An explanation from ln of its size, readings and likelihood, all alike before."""
     from scipy.special import logsumexp
 
@@ -238,8 +239,8 @@ def _changed_places(count: int) -> Iterator[tuple[int, ...]]:
         yield tuple(range(count))
 
 
-def _reordered(data: Data, changed: tuple[int, ...]) -> Data:
+def _reorder(data: Data, changed: tuple[int, ...]) -> Data:
     """Readings with those of some rows in the reverse order."""
     order = np.arange(len(data.y))
     order[list(changed)] = changed[::-1]
-    return Data(data.y[order], data.spread[order], data.below[order])
+    return Data(data.y[order], data.spread[order], data.is_below[order])

@@ -12,7 +12,7 @@ import numpy as np
 from fem_seal.answers.answer import Answer
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.measurements import (
-    EVEN,
+    EVEN_WEIGHTS,
     LEAK_TEST,
     LINE_SCAN,
     Draws,
@@ -92,7 +92,7 @@ class ErrorShares:
         return len(self.of_width) > 1 or bool(self.measurements) or self.by_profiles is not None
 
 
-_TOGETHER, _BY_TEST = "inputs together", "left by test"
+_JOINT_INPUTS, _BY_TEST = "inputs together", "left by test"
 # Of the range of a finish.
 _PLACES = 200
 
@@ -105,13 +105,13 @@ class MeasuredProfiles:
     ----------
     length : float
         Of the longest [m].
-    left, before : float
+    variance, prior_variance : float
         Variance of ln h that they leave, and that of the finishes as they are, h the rms height [-].
     """
 
     length: float
-    left: float
-    before: float
+    variance: float
+    prior_variance: float
 
 
 def measured_profiles(case: Case) -> MeasuredProfiles | None:
@@ -158,7 +158,7 @@ class _Outlook:
         """By how much the uncertain ln h, of finishes the mean over the faces, changes with that of the gap."""
         if self.profiles is None:
             return 1.0
-        return float(self.draws.values["rms_height"].std()) / math.sqrt(self.profiles.before)
+        return float(self.draws.values["rms_height"].std()) / math.sqrt(self.profiles.prior_variance)
 
     @cached_property
     def rows(self) -> list[tuple[str, dict[str, float], FloatArray]]:
@@ -166,7 +166,7 @@ class _Outlook:
         scatter = self.scans.scatter
         scatters = {"q_rolloff": scatter, "hurst": scatter, "rms_height": scatter * self.per_height}
         return [
-            (name, known, self.draws.shown(known)) for name, known in accuracies(self.draws.values, scatters)
+            (name, known, self.draws.weigh(known)) for name, known in accuracies(self.draws.values, scatters)
         ]
 
     @cached_property
@@ -179,7 +179,7 @@ class _Outlook:
         draws, rates = self.draws, self.draws.log_rate[:, number]
         if not shares.of_width or not np.isfinite(rates).all():
             return shares
-        whole, before = math.log(shares.factor), draws.width(rates, EVEN)
+        whole, before = math.log(shares.factor), draws.width(rates, EVEN_WEIGHTS)
         found = []
         for instrument, known, weights in self.rows:
             after = draws.width(rates, weights)
@@ -201,8 +201,8 @@ class _Outlook:
         (accuracy,) = instruments()[LEAK_TEST]["accuracies"].values()
         for at in dict.fromkeys((min(range(len(loads)), key=lambda n: loads[n].point), number)):
             if np.isfinite(draws.log_rate[:, at]).all():
-                weights = draws.shown_by_test(at, accuracy, self.doubts[at])
-                after = draws.width(draws.doubted(number, self.doubts[number]), weights)
+                weights = draws.weigh_test(at, accuracy, self.doubts[at])
+                after = draws.width(draws.rates_with_doubt(number, self.doubts[number]), weights)
                 left = None if after is None else math.exp(min(after, whole))
                 yield Measurement(LEAK_TEST, {"leak_rate": accuracy}, left, at)
 
@@ -213,7 +213,7 @@ class _Outlook:
         draws, load = self.draws, self.seal.loads[number]
         rates, height = draws.log_rate[:, number], draws.values["rms_height"]
         usual = {name: float(np.median(one)) for name, one in draws.values.items()}
-        _, high = draws.ends(rates, draws.shown(scan.accuracy, usual))
+        _, high = draws.ends(rates, draws.weigh(scan.accuracy, usual))
         assert load.leak is not None  # of an interval
         most = max(load.leak.leak_rate, *(load.leak_range or (0.0,)), math.exp(high[0]))
         slope = float(np.polyfit(height, rates[0], 1)[0]) * self.per_height
@@ -263,7 +263,7 @@ def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> 
     }
     together = max(whole - sum(widths.values()), 0.0)
     variances = {} if load.flow_error is None else {k: float(v) for k, v in load.flow_error.parts.items()}
-    if interval is not None and load.sampled is not None:
+    if interval is not None and load.sample_ends is not None:
         if interval.error_scores is not None:
             scatter = float(interval.error_scores[number].var())
             variances = {name: scatter * variance for name, variance in variances.items()}
@@ -298,7 +298,7 @@ def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
     rest = max(1.0 - sum(shares.values()), 0.0)
     if interval.error_scores is not None:
         return {_BY_TEST: variance}
-    return {name: share * variance for name, share in shares.items()} | {_TOGETHER: rest * variance}
+    return {name: share * variance for name, share in shares.items()} | {_JOINT_INPUTS: rest * variance}
 
 
 ERROR_SHARES = Answer[tuple[ErrorShares, ...]](

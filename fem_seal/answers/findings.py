@@ -32,14 +32,14 @@ class Findings:
         Of each load.
     cautions : tuple of Finding
         The worst first.
-    beside : tuple of mapping
+    of_scenarios : tuple of mapping
         Validity of each load in the scenarios with contacts of their own; empty for loads of which no more than the
         number is told.
     """
 
     validity: tuple[Validity, ...] = ()
     cautions: tuple[Finding, ...] = ()
-    beside: tuple[Mapping[str, Validity], ...] = ()
+    of_scenarios: tuple[Mapping[str, Validity], ...] = ()
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Findings:
@@ -54,7 +54,7 @@ def _compute(seal: SolvedSeal, request: Request) -> Findings:
         for load in seal.loads
     ]
     others = compute("validity by the other theory", partial(_in_scenarios, seal), ({},) * len(seal.loads))
-    found = (*seal.said_of_missing, *_of_nominal_size(nominal_size(seal.case)), *checks)
+    found = (*seal.missing_load_findings, *_of_nominal_size(nominal_size(seal.case)), *checks)
     return Findings(tuple(validity), tuple(worst_first(found)), others)
 
 
@@ -77,7 +77,7 @@ def findings_of_profiles(seal: SolvedSeal) -> Findings:
 def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
     """A size that is not of this seat: limits of standards grow with it."""
     narrowest, widest = (share * size.size for share in _BORES)
-    if not (size.estimated or narrowest <= size.diameter <= widest):
+    if not (size.is_estimated or narrowest <= size.diameter <= widest):
         own = f"DN {1e3 * nominal_size_of_bore(size.diameter):.4g}"
         bore = quantity("length", size.diameter)
         found = caution("nominal_size", given=size, circle=size.circle, bore=bore, own=own)
@@ -104,7 +104,7 @@ def _in_scenarios(seal: SolvedSeal) -> tuple[Mapping[str, Validity], ...]:
 
 def _of_load(load: CaseLoad, number: int, found: Findings) -> CaseLoad:
     validity = found.validity[number] if found.validity else NOT_JUDGED
-    beside = found.beside[number] if found.beside else {}
+    beside = found.of_scenarios[number] if found.of_scenarios else {}
     scenarios = {name: load.scenarios[name].with_values(validity=one) for name, one in beside.items()}
     return load.with_scenarios(scenarios).with_values(validity=validity)
 

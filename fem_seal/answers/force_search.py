@@ -29,15 +29,15 @@ _LONGEST = 0.8
 # Accuracy of the last place at which something is known.
 _EDGE = 2e-3
 # What is not known below a place that is known counts as this far above zero.
-_FAR = 20.0
+_ABOVE_ZERO = 20.0
 # Steps to either side in which a place is looked for at which something is known.
 _MOST_STEPS = 7
 # Smallest over the largest sensible force.
-_LEAST = 1e-9
+_FORCE_RATIO = 1e-9
 # Forces for which the mesh is sized, over the one that is expected.
 _MARGIN = (0.7, 1.4)
 
-Falling = Callable[[float], float | None]
+FallingFunction = Callable[[float], float | None]
 
 
 class End(Enum):
@@ -65,7 +65,7 @@ class Zero:
 
 
 def find_zero(
-    function: Falling,
+    function: FallingFunction,
     start: float,
     *,
     lowest: float = -math.inf,
@@ -98,7 +98,7 @@ def find_zero(
 
     def known(place: float) -> float:
         value = function(place)
-        return _FAR if value is None else value
+        return _ABOVE_ZERO if value is None else value
 
     places = _outwards(start, lowest, highest, step)
     at = next((place for place in places if function(place) is not None), None)
@@ -130,7 +130,7 @@ def _outwards(start: float, lowest: float, highest: float, step: float) -> Itera
     yield from (start + way for way in ways if start + way <= highest)
 
 
-def _last_known(function: Falling, known: float, unknown: float) -> float:
+def _last_known(function: FallingFunction, known: float, unknown: float) -> float:
     while unknown - known > _EDGE:
         middle = 0.5 * (known + unknown)
         known, unknown = (known, middle) if function(middle) is None else (middle, unknown)
@@ -146,7 +146,7 @@ def sensible_forces(problems: Iterable[SealProblem]) -> tuple[float, float]:
         Of one seal.
     """
     highest = math.log(min(map(largest_force, problems)))
-    return highest + math.log(_LEAST), highest
+    return highest + math.log(_FORCE_RATIO), highest
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class Trials:
     solvers: Sequence[LoadSolver]
     fluid_pressure: float
     progress: Progress | None = None
-    known: dict[float, tuple[CaseLoad, ...] | SealError] = field(default_factory=dict)
+    outcomes: dict[float, tuple[CaseLoad, ...] | SealError] = field(default_factory=dict)
     """Those that were tried, by place and solver, or why they have no contact."""
 
     def load(self, place: float) -> CaseLoad:
@@ -182,31 +182,31 @@ class Trials:
 
     def of_each(self, place: float) -> tuple[CaseLoad, ...]:
         """The same load with each solver; see `load`."""
-        if place not in self.known:
+        if place not in self.outcomes:
             try:
-                self.known[place] = self._solved(math.exp(place))
+                self.outcomes[place] = self._solved(math.exp(place))
             except SealError as error:
-                self.known[place] = error
-        found = self.known[place]
+                self.outcomes[place] = error
+        found = self.outcomes[place]
         if isinstance(found, SealError):
             raise found
         return found
 
     @property
-    def unreached(self) -> ConvergenceError | None:
+    def path_error(self) -> ConvergenceError | None:
         """Why load steps of bodies that yield did not reach some force; None if they reached each that was tried."""
         if not any(one.yields for one in self.solvers):
             return None
-        return next((one for one in self.known.values() if isinstance(one, ConvergenceError)), None)
+        return next((one for one in self.outcomes.values() if isinstance(one, ConvergenceError)), None)
 
     def _solved(self, force: float) -> tuple[CaseLoad, ...]:
-        pressure, unreached = self.fluid_pressure, self.unreached
+        pressure, unreached = self.fluid_pressure, self.path_error
         if unreached is not None:
             reached = [one.reached(pressure) for one in self.solvers]
             if force > min((one for one in reached if one is not None), default=math.inf):
                 raise unreached
         nothing = (None,) * len(self.solvers)
-        starts = next((one for one in reversed(self.known.values()) if isinstance(one, tuple)), nothing)
+        starts = next((one for one in reversed(self.outcomes.values()) if isinstance(one, tuple)), nothing)
         applied = force - self.solvers[0].closes(pressure)
         return tuple(
             CaseLoad.of(

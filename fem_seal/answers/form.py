@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -29,11 +29,11 @@ _FLAT = 0.05
 # Angles on which the flow around the axis is solved, at most.
 _ANGLES = 256
 # Largest and first change of the gap that is looked at [m], steps and smallest in the logarithm, and the accuracy.
-_LARGEST, _FIRST, _STEP, _DEEPEST, _ACCURACY = 1e-3, 1e-6, 1.0, 20.0, 1e-3
+_MOST_GAP, _FIRST_GAP, _STEP, _WAY, _ACCURACY = 1e-3, 1e-6, 1.0, 20.0, 1e-3
 
 
 # Least line load over the mean from which on a seal is called closed all around.
-CLOSED = 0.5
+CLOSED_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class WaveAlone:
 
 
 @dataclass(frozen=True)
-class Allowed:
+class AllowedForm:
     """How large a form error may be for a limit.
 
     Parameters
@@ -125,9 +125,9 @@ class FormAnswers:
     tolerance_waves : int or None
         Waves with which the case's tolerance was filled, the number that hurts most.
     closing_force : float or None
-        Smallest force of spring or actuator at which the least line load is `CLOSED` of the mean [N]; None if no force
-        does it.
-    allowed : Allowed or None
+        Smallest force of spring or actuator at which the least line load is `CLOSED_SHARE` of the mean [N]; None if no
+        force does it.
+    allowed : AllowedForm or None
         None without a target, and where no class is met even by the round seal.
     goes_round : float or None
         Share by which more leaks because fluid goes round tight places; None if not asked.
@@ -145,10 +145,10 @@ class FormAnswers:
     waves: tuple[WaveAlone, ...]
     tolerance_waves: int | None
     closing_force: float | None
-    allowed: Allowed | None
+    allowed: AllowedForm | None
     goes_round: float | None = None
     deepest_scratch: tuple[float, float] | None = None
-    allowed_others: Mapping[str, Allowed] = field(default_factory=dict)
+    allowed_others: Mapping[str, AllowedForm] = field(default_factory=dict)
 
 
 def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormError) -> FormAnswers:
@@ -168,9 +168,9 @@ def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormErro
     ------
     ConvergenceError
     """
-    asked = _Formed(load)
+    asked = _FormLoad(load)
     waves = sorted(map(asked.alone, asked.form.felt), key=lambda one: one.line_load_min_over_mean)
-    filled = None if given.tolerance is None else _filling(given, asked.form)
+    filled = None if given.tolerance is None else _filled_waves(given, asked.form)
     return FormAnswers(
         load.fluid_pressure,
         load.applied_force,
@@ -178,18 +178,18 @@ def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormErro
         tuple(waves),
         filled,
         _closing_force(solver, load),
-        _allowed(case, load, asked, given),
+        _allowed_form(case, load, asked, given),
         _goes_round(load) if case.form is not None and case.form.flow_around else None,
         _shallower([_deepest_scratch(case, load, one) for one in (asked, *asked.others.values())]),
         {
             name: allowed
             for name, one in asked.others.items()
-            if (allowed := _allowed(case, load, one, given)) is not None
+            if (allowed := _allowed_form(case, load, one, given)) is not None
         },
     )
 
 
-def _filling(given: FormError, filled: FormError) -> int | None:
+def _filled_waves(given: FormError, filled: FormError) -> int | None:
     """Number of waves that a tolerance was filled with."""
     before = {one.waves: one.amplitude for one in given.waves}
     added = [one.waves for one in filled.waves if one.amplitude != before.get(one.waves, 0.0)]
@@ -197,7 +197,7 @@ def _filling(given: FormError, filled: FormError) -> int | None:
 
 
 @dataclass(frozen=True)
-class _Formed:
+class _FormLoad:
     """A load whose form error can be exchanged."""
 
     load: CaseLoad
@@ -219,11 +219,11 @@ class _Formed:
         return None if flow is None else LeakCurve(self.circumference.local, flow)
 
     @cached_property
-    def others(self) -> dict[str, _Formed]:
+    def others(self) -> dict[str, _FormLoad]:
         """In the other readings of yielding asperities."""
-        return {name: _Formed(load) for name, load in self.load.others.items()}
+        return {name: _FormLoad(load) for name, load in self.load.others.items()}
 
-    def found(self, circumference: Circumference) -> tuple[float | None, float, dict[str, float]]:
+    def evaluate(self, circumference: Circumference) -> tuple[float | None, float, dict[str, float]]:
         """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
         leaks = {name: one.leaks for name, one in self.others.items()}
         rates = {name: _rate(circumference.with_leak(one)) for name, one in leaks.items() if one is not None}
@@ -244,19 +244,19 @@ class _Formed:
             except (ConvergenceError, OpenSealError):
                 break
             found.append(
-                FormPoint(factor, float(np.ptp(circumference.gap_change)), *self.found(circumference))
+                FormPoint(factor, float(np.ptp(circumference.gap_change)), *self.evaluate(circumference))
             )
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
         circumference = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
-        return WaveAlone(wave.waves, wave.amplitude, *self.found(circumference))
+        return WaveAlone(wave.waves, wave.amplitude, *self.evaluate(circumference))
 
-    def with_wave(self, number: int, amplitude: float) -> FormError:
-        """One wave beside the eccentricity and tilt that there are, widest where they are."""
+    def leak_with_wave(self, number: int, amplitude: float) -> float:
+        """With one wave beside the eccentricity and tilt that there are, widest where they are."""
         rigid = tuple(one for one in self.form.waves if one.waves == 1)
         zone = WaveTolerance(amplitude, (number, number))
-        return FormError(rigid, self.form.guided, zone).with_waves(number)
+        return self.leak_rate(FormError(rigid, self.form.guided, zone).with_waves(number))
 
     def leak_rate(self, form: FormError) -> float:
         """Infinite where the form error is too large to be solved."""
@@ -282,7 +282,7 @@ def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
 
     def lacking(place: float) -> float:
         found = trials.load(place).circumference
-        return CLOSED - (1.0 if found is None else found.least_over_mean)
+        return CLOSED_SHARE - (1.0 if found is None else found.least_over_mean)
 
     start = math.log(load.contact_force)
     zero = find_zero(lacking, start, lowest=lowest, highest=highest, step=0.5, accuracy=_ACCURACY)
@@ -305,7 +305,7 @@ def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, 
     return min(found) if len(found) == len(scratches) else None
 
 
-def _deepest_scratch(case: Case, load: CaseLoad, asked: _Formed) -> tuple[float, float] | None:
+def _deepest_scratch(case: Case, load: CaseLoad, asked: _FormLoad) -> tuple[float, float] | None:
     """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
     placed = [
@@ -348,7 +348,7 @@ def _limit(case: Case, load: CaseLoad) -> tuple[str, float] | None:
     return f"{met[0].standard} {met[0].name}", met[0].limit / most
 
 
-def _allowed(case: Case, load: CaseLoad, asked: _Formed, given: FormError) -> Allowed | None:
+def _allowed_form(case: Case, load: CaseLoad, asked: _FormLoad, given: FormError) -> AllowedForm | None:
     limit = _limit(case, load)
     if limit is None or load.leak is None:
         return None
@@ -358,31 +358,31 @@ def _allowed(case: Case, load: CaseLoad, asked: _Formed, given: FormError) -> Al
     direction, share = ("radial", radial) if radial > _FLAT else ("axial", axial)
     round_rate = math.inf if asked.load.leak_round is None else asked.load.leak_round.leak_rate
     if round_rate > rate:
-        return Allowed(name, rate, None, None, direction, None)
+        return AllowedForm(name, rate, None, None, direction, None)
     height = float(np.ptp(asked.circumference.gap_change))
     factor = (
-        _largest(lambda f: asked.leak_rate(asked.form.scaled(f)), rate, 1.0, _LARGEST / height)
+        _largest_size(lambda f: asked.leak_rate(asked.form.scaled(f)), rate, 1.0, _MOST_GAP / height)
         if height
         else math.inf
     )
     fewest, most = _WAVES if given.tolerance is None else given.tolerance.waves
     zones = {
-        n: 2 / share * _largest(lambda a, n=n: asked.leak_rate(asked.with_wave(n, a)), rate, _FIRST, _LARGEST)  # type: ignore[misc]
+        number: 2 / share * _largest_size(partial(asked.leak_with_wave, number), rate, _FIRST_GAP, _MOST_GAP)
         # the bodies even out more waves less; the fewest are asked as well, because thin walls may not
-        for n in {fewest, most}
+        for number in {fewest, most}
     }
     worst = min(zones, key=lambda n: zones[n])
-    return Allowed(name, rate, factor, zones[worst], direction, worst)
+    return AllowedForm(name, rate, factor, zones[worst], direction, worst)
 
 
-def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
+def _largest_size(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
     """Largest size with no more than the allowed leak rate; infinite if `most` has it."""
 
     def room(log_size: float) -> float:
         return max(math.log(allowed / max(leak_rate(math.exp(log_size)), 1e-300)), -700.0)
 
     first, highest = math.log(start), math.log(most)
-    zero = find_zero(room, first, lowest=first - _DEEPEST, highest=highest, step=_STEP, accuracy=_ACCURACY)
+    zero = find_zero(room, first, lowest=first - _WAY, highest=highest, step=_STEP, accuracy=_ACCURACY)
     assert zero is not None  # it is known everywhere
     if zero.end is not None:
         return math.inf if zero.end is End.HIGHEST else 0.0
@@ -401,6 +401,6 @@ FORM = Answer[FormAnswers | None](
     "answers about the form error",
     _compute,
     None,
-    doing="what the form error means",
+    status="what the form error means",
     needs=("case.form",),
 )

@@ -79,7 +79,7 @@ class Limit:
     bubble_volume: float | None = None
 
     @property
-    def most(self) -> float:
+    def failing_rate(self) -> float:
         """What fails for certain if more leaks [m^3/s]."""
         return max(self.leak_rate, self.visible)
 
@@ -123,7 +123,7 @@ class LoadVerdict:
         """Lower end of the leak rate over what fails for certain: infinite where open, NaN if not known."""
         if self.why is VerdictReason.OPEN:
             return math.inf
-        return self.ends[0] / self.limit.most
+        return self.ends[0] / self.limit.failing_rate
 
     @classmethod
     def of(
@@ -155,12 +155,14 @@ class LoadVerdict:
         tested = Bounds(*ends).widen(limit.ratio)
         if math.isinf(ends[0]):
             return cls(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit, tested)
-        verdict, why = _decided(limit, ends, tested)
+        verdict, why = _decide(limit, ends, tested)
         margin = _margin(limit, tested.high)
         calculated = (
             tested.ratio_to(validity.leak_factor) if calculated is None else calculated.widen(limit.ratio)
         )
-        if (validity.outside_theory or not sampled) and calculated.low > ORDERS_OF_MAGNITUDE * limit.most:
+        if (
+            validity.outside_theory or not sampled
+        ) and calculated.low > ORDERS_OF_MAGNITUDE * limit.failing_rate:
             reason = validity.reasons[0] if validity.outside_theory else ""
             return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, tested, reason)
         if validity.outside_theory and not (verdict is Verdict.FAIL and validity.leaks_more):
@@ -172,11 +174,11 @@ class LoadVerdict:
         if not sampled:
             return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNSAMPLED, limit, tested)
         if verdict is Verdict.INCONCLUSIVE:
-            without, _ = _decided(limit, calculated, calculated)
+            without, _ = _decide(limit, calculated, calculated)
             if without is not Verdict.INCONCLUSIVE:
                 passes = without is Verdict.PASS
                 verdict = Verdict.PASS_UNLESS if passes else Verdict.FAIL_UNLESS
-                off = limit.leak_rate / calculated.high if passes else calculated.low / limit.most
+                off = limit.leak_rate / calculated.high if passes else calculated.low / limit.failing_rate
                 reason = validity.leak_reason(more=passes)
                 return cls(verdict, margin, VerdictReason.ACCURACY, limit, tested, reason, off)
         return cls(verdict, margin, why, limit, tested)
@@ -188,13 +190,13 @@ def _margin(limit: Limit, highest: float) -> float:
     return limit.leak_rate / highest
 
 
-def _decided(
+def _decide(
     limit: Limit, ends: tuple[float, float], tested: tuple[float, float]
 ) -> tuple[Verdict, VerdictReason]:
     low, high = tested
     if high <= limit.leak_rate:
         return Verdict.PASS, VerdictReason.LIMIT
-    if low > limit.most:
+    if low > limit.failing_rate:
         return Verdict.FAIL, VerdictReason.LIMIT
     if limit.visible:
         return Verdict.INCONCLUSIVE, VerdictReason.VISIBLE
@@ -213,7 +215,7 @@ def severity(judged: LoadVerdict) -> tuple[int, float]:
     return RANK[judged.verdict], -math.inf if math.isnan(how) else how
 
 
-def worst_of(loads: Iterable[Judged]) -> Verdict | None:
+def worst_of(loads: Iterable[HasJudgement]) -> Verdict | None:
     """The worst verdict of some loads; None of none.
 
     Parameters
@@ -225,7 +227,7 @@ def worst_of(loads: Iterable[Judged]) -> Verdict | None:
     return max(judged, key=severity).verdict if judged else None
 
 
-class Judged(Protocol):
+class HasJudgement(Protocol):
     """Something that has a judgement."""
 
     @property
@@ -267,7 +269,7 @@ class SealVerdict:
         Of the deciding load [Pa], [N].
     number : int or None
         Of the deciding load among those of the result; None if it has no result.
-    judged : tuple of int
+    load_numbers : tuple of int
         Numbers of the loads of the result that are judged.
     left_out : int
         Loads that should have been judged and have no result.
@@ -278,7 +280,7 @@ class SealVerdict:
     fluid_pressure: float
     applied_force: float
     number: int | None
-    judged: tuple[int, ...]
+    load_numbers: tuple[int, ...]
     left_out: int = 0
     shares: Utilisation = Utilisation()
 

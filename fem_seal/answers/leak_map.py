@@ -21,8 +21,8 @@ from fem_seal.seal.load_solver import Progress
 from fem_seal.units import format_quantity
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
-_PRESSURES, _LEAST, _RANGE = 8, 3, 20.0
-_MOST = 2000
+_PRESSURES, _FEWEST_PRESSURES, _RANGE = 8, 3, 20.0
+_MOST_POINTS = 2000
 
 
 @dataclass(frozen=True)
@@ -173,17 +173,17 @@ def leak_map(
     case = case_of(case)
     if case.roughness is None or case.fluid is None:
         raise InputError(problem("table_without_leak"))
-    pressures = _pressures(case) if fluid_pressure is None else _increasing("pressures", fluid_pressure)
+    pressures = _pressures(case) if fluid_pressure is None else _check_increasing("pressures", fluid_pressure)
     forces = (
         sorted({force for _, force in case.load.points})
         if applied_force is None
-        else _increasing("forces", applied_force)
+        else _check_increasing("forces", applied_force)
     )
     if not pressures[0] > 0:
         raise InputError(problem("table_at_zero", pressure=format_quantity("fluid pressure", pressures[0])))
-    if len(pressures) * len(forces) > _MOST:
+    if len(pressures) * len(forces) > _MOST_POINTS:
         size = {"pressures": len(pressures), "forces": len(forces)}
-        raise InputError(problem("table_too_large", most=_MOST, **size))
+        raise InputError(problem("table_too_large", most=_MOST_POINTS, **size))
     points = [(pressure, force) for force in forces for pressure in pressures]
     yields = bool(curves(case))
     if yields:
@@ -285,13 +285,13 @@ def _area_of_leak_rate(case: Case, pressure: float) -> float:
 
 def _pressures(case: Case) -> list[float]:
     own = sorted(set(case.load.fluid_pressure))
-    if len(own) >= _LEAST:
+    if len(own) >= _FEWEST_PRESSURES:
         return own
     least = own[0] if len(own) > 1 else own[-1] / _RANGE
     return [float(f"{one:.4g}") for one in np.geomspace(least, own[-1], _PRESSURES)]
 
 
-def _increasing(name: str, values: Sequence[float]) -> list[float]:
+def _check_increasing(name: str, values: Sequence[float]) -> list[float]:
     found = [float(one) for one in values]
     if not found or sorted(set(found)) != found or not all(map(math.isfinite, found)):
         raise InputError.at(name, "must be finite numbers that increase, at least one")

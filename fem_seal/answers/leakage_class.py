@@ -51,30 +51,30 @@ class NominalSize:
         Bore of the seat, or the circle of first touch where no bore is given [m].
     circle : str
         Which of the two it is, in words.
-    estimated : bool
+    is_estimated : bool
         Whether the size was taken from the diameter.
-    written : str
+    case_text : str
         The size as the case has it, where that is a number of a list other than DN: "NPS 2".
     """
 
     size: float
     diameter: float
     circle: str
-    estimated: bool
-    written: str = ""
+    is_estimated: bool
+    case_text: str = ""
 
     @property
-    def short(self) -> str:
+    def short_text(self) -> str:
         """The size alone, as the case has it; DN of a whole number of millimetres."""
         whole = math.isclose(1e3 * self.size, round(1e3 * self.size), rel_tol=1e-6)
-        return self.written or (f"DN {1e3 * self.size:.4g}" if whole else quantity("length", self.size))
+        return self.case_text or (f"DN {1e3 * self.size:.4g}" if whole else quantity("length", self.size))
 
     def __str__(self) -> str:
         """The size in words."""
         return (
-            f"{self.short}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
-            if self.estimated
-            else self.short
+            f"{self.short_text}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
+            if self.is_estimated
+            else self.short_text
         )
 
 
@@ -152,7 +152,7 @@ def test_of(fluid: Fluid, pressure: float, load: CaseLoad | None = None) -> tupl
     name, widest = fluid_of_test(fluid, pressure)
     if not name or fluid.gas is None or load is None:
         return name, widest
-    of_test = load.known_in(TEST_GAS)
+    of_test = load.load_in_scenario(TEST_GAS)
     own, tested = load.leak_interval, None if of_test is None else of_test.leak_interval
     if own is None or tested is None:
         return name, widest
@@ -281,7 +281,7 @@ def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]
         length = f"{quantity('length', seal_length(case))} of seal"
         return length, length
     size = nominal_size(case)
-    return size.short, str(size)
+    return size.short_text, str(size)
 
 
 def seal_length(case: Case) -> float:

@@ -26,15 +26,15 @@ from leak.surfaces.random import height_scatter
 
 LEAK_TEST, LINE_SCAN = "leak_test", "line_scan"
 # Draws from the polynomial, how many of them are truths, and the samples that it goes through.
-_DRAWS, TRUTHS, _FITTED = 8192, 32, 512
+_DRAWS, TRUTHS, _FIT_SAMPLES = 8192, 32, 512
 # Error of a left-out sample over the scatter above which the polynomial says nothing, and the smallest scatter of ln Q.
-_ROUGH, _SMALLEST = 0.3, 1e-6
+_ROUGH, _SMALLEST_SCATTER = 0.3, 1e-6
 # A measurement that leaves fewer draws, counted by their weights, cannot be told.
 _FEWEST = 25.0
 # Of the correlation between loads; the others are too small to count.
 _PARTS = 6
 # ln of equal weights of all draws, of one truth.
-EVEN = np.zeros((1, 1))
+EVEN_WEIGHTS = np.zeros((1, 1))
 # A run over which an instrument is to go, over the cutoff: five and one before and after (ISO 21920-3).
 _CUTOFFS = 7.0
 
@@ -152,8 +152,8 @@ class Draws:
             return None
         inputs = np.concatenate(columns, axis=1)
         outputs = log_rate[:, known].reshape(-1, interval.samples).T
-        surface = fit(inputs[:_FITTED], outputs[:_FITTED], inputs)
-        if np.any(surface.error > np.maximum(_ROUGH * outputs.std(axis=0), _SMALLEST)):
+        surface = fit(inputs[:_FIT_SAMPLES], outputs[:_FIT_SAMPLES], inputs)
+        if np.any(surface.error > np.maximum(_ROUGH * outputs.std(axis=0), _SMALLEST_SCATTER)):
             return None
         count = len(columns)
         if interval.error_scores is None:
@@ -183,7 +183,7 @@ class Draws:
         noise = ndtri(np.array(places[count : 2 * count + 1]).T[:TRUTHS])
         return cls(interval.confidence, values, found, doubt, noise)
 
-    def shown(self, accuracy: Mapping[str, float], truth: Mapping[str, float] | None = None) -> FloatArray:
+    def weigh(self, accuracy: Mapping[str, float], truth: Mapping[str, float] | None = None) -> FloatArray:
         """ln of the weights of all draws after a measurement of inputs, shape (truths, draws).
 
         Parameters
@@ -200,7 +200,7 @@ class Draws:
                 total = total - 0.5 * ((one - shows[:, None]) / accuracy[name]) ** 2
         return total
 
-    def shown_by_test(self, at: int, accuracy: float, doubt: Bounds) -> FloatArray:
+    def weigh_test(self, at: int, accuracy: float, doubt: Bounds) -> FloatArray:
         """The same after a leak test at a load, shape (readings, truths, draws); each reading has its turn as truth.
 
         Parameters
@@ -210,12 +210,12 @@ class Draws:
         doubt : Bounds
             Factors by which the leak rate may be off there.
         """
-        rates = self.doubted(at, doubt)
+        rates = self.rates_with_doubt(at, doubt)
         turn = np.arange(TRUTHS)
         shows = rates[turn % len(rates), turn] + accuracy * self.noise[:, -1]
         return np.asarray(-0.5 * ((rates[:, None] - shows[:, None]) / accuracy) ** 2)
 
-    def doubted(self, number: int, doubt: Bounds) -> FloatArray:
+    def rates_with_doubt(self, number: int, doubt: Bounds) -> FloatArray:
         """ln of the leak rates at a load with what else they may be off by, evenly, shape (readings, draws)."""
         low, high = np.log(doubt)
         return np.asarray(self.log_rate[:, number] + low + (high - low) * self.doubt)

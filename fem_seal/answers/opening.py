@@ -61,7 +61,7 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Opening, ...]:
             )
             for load in seal.loads
         )
-        loads = request.steps.compute(OPENING.what, partial(with_margins, solver, loads), loads)
+        loads = request.steps.compute(OPENING.subject, partial(with_margins, solver, loads), loads)
     return tuple(Opening(one.effective_radius, one.blow_off_pressure, one.opening) for one in loads)
 
 

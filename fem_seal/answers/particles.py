@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 _SERIES = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
 _SIZES = tuple(float(f"{one}e{decade}") for decade in range(-9, -3) for one in _SERIES)
 # Below this share of the narrowest place particles pass: they would shut some ten-thousandths of the leak.
-_PASSING = 0.2
+_FREE_SHARE = 0.2
 # More of the leak than one of them is all, and less than the other none; at most so many sizes lie between.
-_WHOLE, _NOTHING, _MOST = 0.99, 1e-3, 40
-_NEVER = Bounds(math.inf, math.inf)
+_ALL_OF_LEAK, _NO_LEAK, _MOST_SIZES = 0.99, 1e-3, 40
+_NO_CLOGGING = Bounds(math.inf, math.inf)
 # Share of the leak that a filter is to keep.
-KEPT = 0.9
+KEPT_SHARE = 0.9
 
-Shut = Callable[[LeakModel, float], LeakModel]
+ShutFunction = Callable[[LeakModel, float], LeakModel]
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def particle_answers(loads: Sequence[CaseLoad], counts: ParticleCounts) -> tuple
     counts : ParticleCounts
         Particles in its fluid.
     """
-    shut = _shut()
+    shut = _shut_function()
     found = (_answers(load, counts, shut) for load in loads)
     return tuple(one for one in found if one is not None)
 
@@ -138,7 +138,7 @@ def answers_of(load: CaseLoad, found: Sequence[ParticleAnswers]) -> ParticleAnsw
     return next((one for one in found if (one.fluid_pressure, one.applied_force) == load.point), None)
 
 
-def _shut() -> Shut:
+def _shut_function() -> ShutFunction:
     """Rough surfaces with all gaps below a size shut, made once for each surface and size."""
 
     @cache
@@ -157,10 +157,10 @@ class _Scenario:
     load: CaseLoad
     rough: LeakModel
     leak_rate: float
-    shut: Shut
+    shut: ShutFunction
 
     @classmethod
-    def of(cls, load: CaseLoad, shut: Shut) -> list[_Scenario]:
+    def of(cls, load: CaseLoad, shut: ShutFunction) -> list[_Scenario]:
         """Those of all scenarios that leak."""
         return [
             cls(one, one.rough, one.leak.leak_rate, shut)
@@ -186,12 +186,12 @@ class _Scenario:
     def narrowest(self) -> tuple[float, float]:
         return self.largest_passing, self.load.critical_separation or 0.0
 
-    def below(self, size: float) -> float:
+    def area_below(self, size: float) -> float:
         """Share of the open area."""
         contact = float(self.gaps.contact[0])
-        return (float(self.gaps.below(size)[0]) - contact) / (1.0 - contact)
+        return (float(self.gaps.area_below(size)[0]) - contact) / (1.0 - contact)
 
-    def remaining(self, size: float) -> float:
+    def remaining_share(self, size: float) -> float:
         """Share of the leak that is left with all gaps below a size shut."""
         found = replace(self.load, rough=self.shut(self.rough, size)).leak
         assert found is not None  # that of the open surfaces is there
@@ -206,7 +206,7 @@ class _Scenario:
         return leak.parallel_paths(around, length, self.largest_passing)
 
 
-def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
+def _answers(load: CaseLoad, counts: ParticleCounts, shut: ShutFunction) -> ParticleAnswers | None:
     scenarios = _Scenario.of(load, shut)
     # a scratch leaks where nothing else does, and is open to particles
     if not scenarios or not all(one.largest_passing > 0.0 for one in scenarios):
@@ -219,10 +219,10 @@ def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnsw
         leak.cloggings(*one) for one in zip((r.leak_rate for r in scenarios), each, places, strict=True)
     ]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
-    left = None if filter_size is None else Bounds.of(one.remaining(filter_size) for one in scenarios)
+    left = None if filter_size is None else Bounds.of(one.remaining_share(filter_size) for one in scenarios)
     # a scratch stays open, whatever is shut beside it
     halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
-    keeping = [_size_that_leaves(KEPT, sizes, share) for share in shares]
+    keeping = [_size_that_leaves(KEPT_SHARE, sizes, share) for share in shares]
     return ParticleAnswers(
         load.fluid_pressure,
         load.applied_force,
@@ -231,7 +231,7 @@ def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnsw
         tuple(
             ShutGaps(
                 float(size),
-                Bounds.of(one.below(float(size)) for one in scenarios),
+                Bounds.of(one.area_below(float(size)) for one in scenarios),
                 Bounds.of(one.leak_rate * share[n] for one, share in zip(scenarios, shares, strict=True)),
                 Bounds.of(share[n] for share in shares),
                 Bounds(float(particles.low[n]), float(particles.high[n])),
@@ -240,8 +240,8 @@ def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnsw
         ),
         Bounds.of(float(end[0]) for one in each for end in (one.low, one.high)),
         Bounds.of(count for one in places for count in one),
-        Bounds.of(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NEVER,
-        Bounds.of(decay.time_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        Bounds.of(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NO_CLOGGING,
+        Bounds.of(decay.time_to(0.5) for both in decays for decay in both) if halved else _NO_CLOGGING,
         Bounds.of(size for size in keeping if size is not None) if any(keeping) else None,
         filter_size,
         left,
@@ -252,18 +252,18 @@ def _curve(scenarios: Sequence[_Scenario]) -> tuple[FloatArray, list[FloatArray]
     """Round sizes, and the share of the leak that is left of each reading."""
 
     def shares(size: float) -> list[float]:
-        return [one.remaining(size) for one in scenarios]
+        return [one.remaining_share(size) for one in scenarios]
 
-    expected = _PASSING * min(one.largest_passing for one in scenarios)
+    expected = _FREE_SHARE * min(one.largest_passing for one in scenarios)
     first = int(np.searchsorted(_SIZES, expected))
     found = {_SIZES[first]: shares(_SIZES[first])}
     # almost sealed, the last paths are lost to particles far below the narrowest place
     for size in reversed(_SIZES[:first]):
-        if min(found[min(found)]) > _WHOLE:
+        if min(found[min(found)]) > _ALL_OF_LEAK:
             break
         found[size] = shares(size)
     for size in _SIZES[first + 1 :]:
-        if max(found[max(found)]) < _NOTHING or len(found) > _MOST:
+        if max(found[max(found)]) < _NO_LEAK or len(found) > _MOST_SIZES:
             break
         found[size] = shares(size)
     sizes = sorted(found)
@@ -295,6 +295,6 @@ PARTICLES = Answer[tuple[ParticleAnswers, ...]](
     "answers about particles in the fluid",
     _compute,
     (),
-    doing="what particles in the fluid do to the leak",
+    status="what particles in the fluid do to the leak",
     needs=("case.fluid.particles",),
 )

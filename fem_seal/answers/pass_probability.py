@@ -30,21 +30,21 @@ _SAMPLES = 4096
 # Standard error at which the runs end; as many as the last number reach it by counting alone.
 _ERROR, _MOST_RUNS = 0.02, 640
 # Runs for each input at first, and more of them at a time.
-_FOR_EACH, _MORE = 2, 3
+_FOR_EACH, _RUNS_AT_A_TIME = 2, 3
 # Runs that are chosen to tell most, of so many samples; runs that are counted at first.
-_CHOSEN, _CANDIDATES, _COUNTED = 32, 256, 64
+_CHOSEN_RUNS, _CANDIDATES, _COUNTED_RUNS = 32, 256, 64
 # Inputs up to which the polynomial is a cubic, and up to which it is a quadratic one.
 _CUBIC, _QUADRATIC = 6, 16
 # Polynomials that the runs leave possible, and samples of each, for the standard error.
-_DRAWN, _OF_DRAWN = 48, 512
+_CURVES, _OF_DRAWN = 48, 512
 # ln of the allowed over the calculated leak rate of a case that is sealed; of one that is open with a minus.
-_FAR = 30.0
+_LN_BOUND = 30.0
 # Of a share; a tail that is smaller is no number.
 _DIGITS = 6
 # Batches with other unknown inputs, seals of each; share of the batches in which fewer seals pass than is told.
 _BATCHES, _SEALS, _DOUBT = 512, 256, 0.05
 # Of a theory that does not know its error.
-_EXACT = FlowError(np.zeros(()), np.full((), 1e-12))
+_NO_ERROR = FlowError(np.zeros(()), np.full((), 1e-12))
 
 
 @dataclass(frozen=True)
@@ -68,14 +68,14 @@ class Plan:
     @classmethod
     def of(cls, scores: FloatArray) -> Plan:
         """That of samples with such variables, shape (samples, inputs)."""
-        return _plans.get((scores.shape, scores.tobytes()), lambda: cls._made(scores))
+        return _plans.get((scores.shape, scores.tobytes()), lambda: cls._build(scores))
 
     @classmethod
-    def _made(cls, scores: FloatArray) -> Plan:
+    def _build(cls, scores: FloatArray) -> Plan:
         inputs = scores.shape[1]
         polynomials = Polynomials.of(scores, 3 if inputs <= _CUBIC else 2 if inputs <= _QUADRATIC else 1)
         candidates = scores[:_CANDIDATES]
-        chosen = polynomials.telling(candidates, min(_CHOSEN, len(candidates))).tolist()
+        chosen = polynomials.choose_runs(candidates, min(_CHOSEN_RUNS, len(candidates))).tolist()
         return cls(polynomials, polynomials(scores), list(dict.fromkeys([*chosen, *range(len(scores))])))
 
 
@@ -89,27 +89,27 @@ class QuickSamples:
 
     Parameters
     ----------
-    sampled : Samples
+    samples : Samples
     loads : tuple of int
         Numbers of those that are judged.
-    known : ndarray of int, shape (runs,)
+    run_numbers : ndarray of int, shape (runs,)
         Samples whose contact and leak rate were calculated.
     runs : ndarray, shape (runs, kinds times loads)
         Their leak rates at the case's own viscosity [m^3/s].
-    tried : int
+    tried_count : int
         Of the first so many samples all were tried: their runs stand for the others.
     """
 
-    sampled: Samples
+    samples: Samples
     loads: tuple[int, ...]
-    known: IntArray
+    run_numbers: IntArray
     runs: FloatArray = field(repr=False)
-    tried: int = 0
+    tried_count: int = 0
 
     @cached_property
     def plan(self) -> Plan:
         """What it has in common with other seals."""
-        return Plan.of(self.sampled.scores)
+        return Plan.of(self.samples.scores)
 
     def smooth(self, columns: Sequence[int] | slice) -> bool:
         """Whether no run is sealed or open."""
@@ -127,13 +127,13 @@ class QuickSamples:
             ln of what is allowed by each limit [m^3/s].
         """
         ln_ratio = _ln_ratio(ln_most, self.runs[:, columns])
-        inputs = self.sampled.scores[self.known]
-        return fit_with_prior(self.plan.polynomials, inputs, np.clip(ln_ratio, -_FAR, _FAR))
+        inputs = self.samples.scores[self.run_numbers]
+        return fit_with_prior(self.plan.polynomials, inputs, np.clip(ln_ratio, -_LN_BOUND, _LN_BOUND))
 
     def column(self, scenario: int, number: int, *, in_test: bool) -> int:
         """Of a scenario at a load, of the case's fluid or of the gas of the test."""
-        other_gas = len(self.sampled.of_case) > self.sampled.scenario_count
-        kind = scenario + (self.sampled.scenario_count if in_test and other_gas else 0)
+        other_gas = len(self.samples.of_case) > self.samples.scenario_count
+        kind = scenario + (self.samples.scenario_count if in_test and other_gas else 0)
         return kind * len(self.loads) + self.loads.index(number)
 
 
@@ -156,7 +156,7 @@ def pass_probabilities(
     progress : callable, optional
         Called with a status message before each step.
     known : dict, optional
-        See `Samples.calculated`.
+        See `Samples.known_rates`.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def pass_probabilities(
     judged = [n for n in asked if n not in none]
     found: dict[int, PassProbability] = {n: PassProbability(why_none=why) for n, why in none.items()}
     if judged:
-        found |= dict(zip(judged, _found(seal, settings, judged, progress, known), strict=True))
+        found |= dict(zip(judged, _estimate_shares(seal, settings, judged, progress, known), strict=True))
     return [found.get(n) for n in range(len(seal.loads))]
 
 
@@ -207,7 +207,7 @@ def why_none(case: Case, load: CaseLoad) -> str:
     return ""
 
 
-def _found(
+def _estimate_shares(
     seal: SolvedSeal,
     settings: Uncertainty | None,
     loads: Sequence[int],
@@ -219,7 +219,7 @@ def _found(
     else:
         many = settings.model_copy(update={"samples": max(settings.samples, _SAMPLES)})
         sampled = Samples.of(seal, many, known_rates)
-    if not sampled.evaluated:
+    if not sampled.run_inputs:
         of_case = sampled.of_case[:, loads].ravel()
         twice = QuickSamples(sampled, tuple(loads), np.array([0, 0]), np.tile(of_case, (2, 1)))
         return _of_loads(seal.case, twice)
@@ -231,7 +231,7 @@ def _found(
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
         rates.update(zip(new, sampled.leak_rates(new, loads).reshape(len(new), -1), strict=True))
         runs = np.array(list(rates.values()))
-        converged = sampled.converged(runs)
+        converged = sampled.valid_rows(runs)
         known, runs = np.array(list(rates))[converged], runs[converged]
         tried = next(number for number in range(len(rates) + 1) if number not in rates)
         quick = QuickSamples(sampled, tuple(loads), known, runs, tried)
@@ -240,29 +240,29 @@ def _found(
             if goal >= most or all(one.error <= _ERROR for one in found):
                 return found
         if quick.smooth(slice(None)):
-            goal = min(goal + _MORE if goal < _CHOSEN else 2 * goal, most)
+            goal = min(goal + _RUNS_AT_A_TIME if goal < _CHOSEN_RUNS else 2 * goal, most)
         else:
             # those that tell most do not stand for all
-            order, goal = range(len(sampled.uniform)), min(max(2 * goal, _COUNTED), most)
+            order, goal = range(len(sampled.uniform)), min(max(2 * goal, _COUNTED_RUNS), most)
 
 
 def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
-    loads = quick.sampled.seal.loads
+    loads = quick.samples.seal.loads
     return [_of_load(case, loads[number], number, quick) for number in quick.loads]
 
 
 def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> PassProbability:
     allowed, settings = limits(case, load.fluid_pressure), case.sampled
-    own = error = load.flow_error or _EXACT
+    own = error = load.flow_error or _NO_ERROR
     if settings is not None and settings.posterior is not None:
         # a leak test has left one of each sample
         left = Posterior.read(settings.posterior).error_at(np.log10([load.peak_pressure]), settings.seed)[0]
-        own = FlowError(error.bias + error.spread * left, _EXACT.spread)
+        own = FlowError(error.bias + error.spread * left, _NO_ERROR.spread)
     ln_most, read = _ln_most(allowed), []
-    for scenario in range(quick.sampled.scenario_count):
+    for scenario in range(quick.samples.scenario_count):
         columns = [quick.column(scenario, number, in_test=_tested_with_gas(case, one)) for one in allowed]
         batch = math.nan
-        if quick.smooth(columns) or not quick.sampled.evaluated:
+        if quick.smooth(columns) or not quick.samples.run_inputs:
             surface = quick.surface(columns, ln_most)
             share, off = _by_polynomial(quick, surface, own)
             # what a leak test has left belongs together, and is that of one seal
@@ -275,12 +275,12 @@ def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> Pa
 
 def _by_polynomial(quick: QuickSamples, surface: ResponseSurface, own: FlowError) -> tuple[float, float]:
     """Share of the samples that pass, and its standard error."""
-    terms, ln_viscosity, few = quick.plan.terms, np.log(quick.sampled.viscosity), slice(_OF_DRAWN)
+    terms, ln_viscosity, few = quick.plan.terms, np.log(quick.samples.viscosity), slice(_OF_DRAWN)
     ln_ratio = (terms @ surface.coefficients).min(axis=1) + ln_viscosity
     share = float(own.share_below(np.exp(ln_ratio)).mean())
-    possible = np.tensordot(terms[few], surface.drawn(_DRAWN), 1).min(axis=1) + ln_viscosity[few, None]
+    possible = np.tensordot(terms[few], surface.draw(_CURVES), 1).min(axis=1) + ln_viscosity[few, None]
     by_polynomial = float(_part(own, (few, None)).share_below(np.exp(possible)).mean(axis=0).std())
-    by_count = _error_of_count(share, len(terms)) if quick.sampled.inputs else 0.0
+    by_count = _error_of_count(share, len(terms)) if quick.samples.inputs else 0.0
     return share, math.hypot(by_count, by_polynomial)
 
 
@@ -288,9 +288,9 @@ def _by_count(
     quick: QuickSamples, columns: Sequence[int], ln_most: FloatArray, own: FlowError
 ) -> tuple[float, float]:
     """The same of the runs alone, as far as they stand for all samples."""
-    runs = np.flatnonzero(quick.known < quick.tried)
-    known, rates = quick.known[runs], quick.runs[runs][:, columns]
-    ln_ratio = _ln_ratio(ln_most, rates / quick.sampled.viscosity[known, None]).min(axis=1)
+    runs = np.flatnonzero(quick.run_numbers < quick.tried_count)
+    known, rates = quick.run_numbers[runs], quick.runs[runs][:, columns]
+    ln_ratio = _ln_ratio(ln_most, rates / quick.samples.viscosity[known, None]).min(axis=1)
     share = float(_part(own, known).share_below(np.exp(ln_ratio)).mean()) if len(known) else 0.5
     return share, _error_of_count(share, len(known))
 
@@ -308,7 +308,7 @@ def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: Flo
     """
     from scipy.special import ndtri
 
-    sampled, settings = quick.sampled, case.sampled
+    sampled, settings = quick.samples, case.sampled
     if settings is None or not settings.of_parts:
         return math.nan
     names = ["spectrum" if isinstance(one, UncertainScans) else one.name for one in sampled.inputs]
@@ -319,7 +319,7 @@ def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: Flo
     uniform = np.where(of_parts, seals, batches[:, None, :-1]).reshape(-1, len(of_parts))
     many = replace(sampled, uniform=uniform)
     ln_ratio = (surface(many.scores).min(axis=1) + np.log(many.viscosity)).reshape(_BATCHES, _SEALS)
-    of_seals = np.sqrt(np.maximum(error.parts.get("few waves", 0.0), _EXACT.spread**2))
+    of_seals = np.sqrt(np.maximum(error.parts.get("few waves", 0.0), _NO_ERROR.spread**2))
     of_batch = np.sqrt(np.maximum(error.spread**2 - of_seals**2, 0.0))
     own = FlowError(error.bias + of_batch * ndtri(batches[:, -1:]), of_seals)
     return float(np.quantile(own.share_below(np.exp(ln_ratio)).mean(axis=1), _DOUBT))
@@ -357,7 +357,7 @@ PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     (),
     # the preload of bolts is not among what is sampled
     lambda seal, request: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
-    lambda load, number, found: load.with_values(passing=found[number]) if found else load,
+    lambda load, number, found: load.with_values(chance=found[number]) if found else load,
     "samples that keep the requirement",
     needs=("case.requirement", "problem.leaks"),
 )

@@ -23,7 +23,7 @@ _HIGHEST_PRESSURE = 1e12
 # Less than this is no contact [Pa], and less than this share of the contact circle no width.
 _LOWEST_PRESSURE, _NARROWEST = 1e-3, 1e-4
 # Where the contact pressure is above this share of its peak, the faces are pressed on each other.
-_PRESSED = 1e-3
+_PRESSED_SHARE = 1e-3
 
 # What the word of a column's name says, the first that fits.
 _ROLES = {
@@ -45,7 +45,7 @@ _POINTS = re.compile(r"points?[:_]0")
 _LENGTH_UNIT = re.compile(r"length unit\W+(\w+)", re.IGNORECASE)
 _LOAD = re.compile(r"(\d+(?:[.,]\d+)?)\s*_?(bar|kpa|mpa|psi|pa)(?![a-z])", re.IGNORECASE)
 # Distances between points and the seat's face, and of radii from those of the case, that are none.
-_ON_FACE, _SAME_RADIUS, _FAR = 0.1, 0.02, 0.05
+_ON_FACE, _SAME_RADIUS, _TOLERANCE = 0.1, 0.02, 0.05
 # Scatter of pressures at one point over the peak; distance from a curve over the length, of points along one.
 _SAME_PRESSURE, _ON_CURVE = 0.2, 0.05
 
@@ -64,7 +64,7 @@ class ImportedProfile:
         Distance from the axis [m]; None if the file has no such column.
     fluid_pressure : float or None
         Fluid pressure that belongs to the profile [Pa]; None if the file does not say.
-    understood : str, optional
+    remark : str, optional
         What the columns were taken for, a sentence.
     """
 
@@ -72,7 +72,7 @@ class ImportedProfile:
     pressure: FloatArray
     radius: FloatArray | None
     fluid_pressure: float | None
-    understood: str = ""
+    remark: str = ""
 
 
 def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedProfile, ...]:
@@ -106,7 +106,7 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
             )
         left = len(steps) - len(pressed)
         told = f"; {left} load step{'s' * (left > 1)} without contact pressure left out" if left else ""
-        return tuple(_placed(replace(one, remark=one.remark + told), contact) for one in pressed)
+        return tuple(_place(replace(one, remark=one.remark + told), contact) for one in pressed)
     except (TableError, TextTableError, QuantityError) as error:
         raise InputError.at("", str(error), file=file) from None
 
@@ -170,7 +170,7 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     example = 'such as "x [mm], contact_pressure [MPa]"'
     if not table.header:
         columns = table.values.shape[1]
-        above = f" (the line above them is {table.above[-1][1][:60]!r})" if table.above else ""
+        above = f" (the line above them is {table.lines_above[-1][1][:60]!r})" if table.lines_above else ""
         raise TextTableError(
             f"has no header over its {columns} columns{above}; name each with its unit, {example}"
         )
@@ -197,7 +197,7 @@ def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
     """The table with units of columns that have none where their program says or cannot say them."""
     header = list(table.header)
     lengths = [place for role in _LENGTHS for place in roles.get(role, ())]
-    told = next((found[1] for _, line in table.above if (found := _LENGTH_UNIT.search(line))), None)
+    told = next((found[1] for _, line in table.lines_above if (found := _LENGTH_UNIT.search(line))), None)
     pressures = roles["pressure"]
     bare = [place for place in (*lengths, *pressures) if not name_and_unit(header[place])[1]]
     words = [name_and_unit(name)[0] for name in header]
@@ -268,18 +268,18 @@ def _begun_anew(x: FloatArray, rows: IntArray) -> list[IntArray]:
 # --- places -------------------------------------------------------------------------------------------------
 
 
-def _placed(step: _Step, contact: ContactGeometry) -> ImportedProfile:
+def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
     """A load step on the seat, its points in order."""
     if len(step.pressure) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(step.pressure)}")
-    x, radius, understood = _along(step, contact)
+    x, radius, understood = _locate(step, contact)
     understood += step.remark
     kept = np.isfinite(x)
     pressure = step.pressure[kept]
-    x, pressure, radius = _merged(x[kept], pressure, None if radius is None else radius[kept])
+    x, pressure, radius = _merge_places(x[kept], pressure, None if radius is None else radius[kept])
     if len(x) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
-    pressed = x[pressure > _PRESSED * pressure.max()]
+    pressed = x[pressure > _PRESSED_SHARE * pressure.max()]
     low, high = float(pressed[0]), float(pressed[-1])
     touch, length = contact.initial_contact_radius, contact.seat_face.length
     if high - low > 1.05 * length or x[-1] - x[0] < _NARROWEST * touch:
@@ -289,7 +289,7 @@ def _placed(step: _Step, contact: ContactGeometry) -> ImportedProfile:
             f"x {doing} {_mm(end)}, the contact circle has a radius of {_mm(touch)}: is the unit right? ({understood})"
         )
     ends = contact.reach
-    if low < ends[0] - _FAR * length or high > ends[1] + _FAR * length:
+    if low < ends[0] - _TOLERANCE * length or high > ends[1] + _TOLERANCE * length:
         raise TextTableError(
             f"the contact pressure goes from x = {_mm(low)} to {_mm(high)}, the faces of the case stand in front of "
             f"each other from {_mm(ends[0])} to {_mm(ends[1])}, where x = 0 is first touch at r = {_mm(touch)} "
@@ -298,7 +298,7 @@ def _placed(step: _Step, contact: ContactGeometry) -> ImportedProfile:
     return ImportedProfile(x, pressure, radius, step.fluid_pressure, understood)
 
 
-def _along(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArray | None, str]:
+def _locate(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArray | None, str]:
     """x and r of the points, NaN of x beside the face, and what the columns were taken for."""
     places, tail = step.places, f'"{step.pressure_name}" is their contact pressure'
     if "radius" in places:
@@ -324,12 +324,12 @@ def _arc_with_radius(
     x: FloatArray, r: FloatArray, pressure: FloatArray, contact: ContactGeometry, understood: str
 ) -> FloatArray:
     """x on the seat, from an arc length and the radius that belongs to it."""
-    pressed = pressure > _PRESSED * pressure.max()
+    pressed = pressure > _PRESSED_SHARE * pressure.max()
     if np.ptp(r[pressed]) > 0.0 and _x_of_radius(contact, r[:1]) is not None:
         by_radius = _on_seat(r, pressure, contact, understood)
         offset = (by_radius - x)[pressed]
         width = float(np.ptp(x[pressed]))
-        if np.ptp(offset) > _FAR * width + _NARROWEST * contact.initial_contact_radius:
+        if np.ptp(offset) > _TOLERANCE * width + _NARROWEST * contact.initial_contact_radius:
             raise TextTableError(
                 f"r contradicts the case: along the {contact.seat.label} it takes "
                 f"{_mm(float(np.ptp(by_radius[pressed])))} from its first radius with pressure to its last, x goes "
@@ -363,15 +363,15 @@ def _of_points(
             return x, None, told
         understood = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
         return _on_seat(x, step.pressure, contact, understood), None, understood
-    pressed = step.pressure > _PRESSED * step.pressure.max()
+    pressed = step.pressure > _PRESSED_SHARE * step.pressure.max()
     if len(moving) == 2 and not _on_one_curve(moving[0][1][pressed], moving[1][1][pressed]):
         raise TextTableError(f"{names}: {_MAP}")
     best, over_a_surface = None, False
     for axis, r, turned in _meridians([values for _, values in moving]):
         distance = _distance(r[pressed], moving[axis][1][pressed], step.pressure[pressed], contact)
         if distance < _ON_FACE:
-            over_a_surface |= turned > _FAR
-            if turned <= _FAR and (best is None or distance < best[0]):
+            over_a_surface |= turned > _TOLERANCE
+            if turned <= _TOLERANCE and (best is None or distance < best[0]):
                 best = distance, axis, r
     if best is None:
         spans = ", ".join(f"{name} from {_mm(float(v.min()))} to {_mm(float(v.max()))}" for name, v in found)
@@ -448,7 +448,7 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
         raise TextTableError(
             f"on this {contact.seat.label} a radius does not tell the place ({understood}); give arc lengths"
         )
-    pressed = pressure > _PRESSED * pressure.max()
+    pressed = pressure > _PRESSED_SHARE * pressure.max()
     if np.isnan(x[pressed]).any():
         face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
         raise TextTableError(
@@ -459,7 +459,7 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
         )
     peak = int(np.argmax(pressure))
     gap, touch = contact.gap(x[peak : peak + 1]), contact.initial_contact_radius
-    if abs(r[peak] / touch - 1.0) > _FAR and not gap[0] < 1e-3 * touch:
+    if abs(r[peak] / touch - 1.0) > _TOLERANCE and not gap[0] < 1e-3 * touch:
         raise TextTableError(
             f"r contradicts the case: the contact pressure is highest at r = {_mm(float(r[peak]))}, "
             f"{contact.closure.label} and {contact.seat.label} of the case touch first at {_mm(touch)} ({understood}); "
@@ -470,7 +470,7 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
 
 def _touches_at_zero(x: FloatArray, pressure: FloatArray) -> bool:
     """Whether x = 0 lies between places that are pressed."""
-    pressed = x[pressure > _PRESSED * pressure.max()]
+    pressed = x[pressure > _PRESSED_SHARE * pressure.max()]
     return bool(pressed.min() <= 0.0 <= pressed.max())
 
 
@@ -490,7 +490,7 @@ def _from_touch(x: FloatArray, pressure: FloatArray, understood: str) -> tuple[F
     return x - centre, f"{understood}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
 
 
-def _merged(
+def _merge_places(
     x: FloatArray, pressure: FloatArray, radius: FloatArray | None
 ) -> tuple[FloatArray, FloatArray, FloatArray | None]:
     """Points in order, those at one place as one with the mean pressure."""

@@ -18,7 +18,7 @@ _RUNS_PER_TERM = 1.35
 _ERROR_OF_BENT, _LEAST_LOG = 0.2, 6.0
 # What is less is no leak: a molecule of a gas in a hundred years [m^3/s], or so much of what the case itself leaks.
 # Next to sealing a sample that leaks so little may be off by a factor, and nobody sees it.
-_NOTHING, _TRACE = 1e-35, 1e-9
+_NO_LEAK, _TRACE = 1e-35, 1e-9
 # Beside the runs of the polynomial: samples at both ends of the interval, calculated to see how well it does there.
 _CHECKS = 4
 # Loads that are sampled where there are more.
@@ -75,7 +75,7 @@ class Polynomials:
         """How far each coefficient may be from zero, over what the polynomial leaves, shape (terms,)."""
         return np.sqrt(np.array(_PRIOR)[self.exponents.sum(axis=1)])
 
-    def telling(self, candidates: FloatArray, count: int) -> IntArray:
+    def choose_runs(self, candidates: FloatArray, count: int) -> IntArray:
         """Numbers of the runs that tell most of the coefficients, one after the other.
 
         Parameters
@@ -127,7 +127,7 @@ class ResponseSurface:
         """Outputs at inputs of shape (n, d); shape (n, outputs)."""
         return self.polynomials(inputs) @ self.coefficients
 
-    def drawn(self, count: int) -> FloatArray:
+    def draw(self, count: int) -> FloatArray:
         """Coefficients that the runs leave possible, all alike likely, shape (terms, outputs, count)."""
         random = np.random.default_rng(count).standard_normal((len(self.root), count))
         return self.coefficients[:, :, None] + self.error[:, None] * (self.root @ random)[:, None]
@@ -234,7 +234,7 @@ def bent_towards_sealing(
 
 def largest_difference(found: FloatArray, truth: FloatArray, of_case: FloatArray) -> float:
     """Relative difference of samples, shape (samples, columns), whose case leaks so much in each column."""
-    least = np.maximum(_NOTHING, _TRACE * np.where(np.isfinite(of_case), of_case, 0.0))
+    least = np.maximum(_NO_LEAK, _TRACE * np.where(np.isfinite(of_case), of_case, 0.0))
     with np.errstate(invalid="ignore"):
         differ = np.abs((found + least) / (truth + least) - 1)
     # both blown open is no difference; a path that did not converge says nothing

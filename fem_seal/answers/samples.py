@@ -172,7 +172,7 @@ def changed_surface(
     means, shape = dict(means or {}), {key: factors[key] for key in SHAPE if key in factors}
     key = self_affine_part(case.roughness)
     if shape and key is not None:
-        means[key] = _reshaped(case, key, factors)
+        means[key] = _reshape(case, key, factors)
     spectrum, peklenik = surface.spectrum, surface.peklenik
     if means or shares or shape:
         assert case.roughness is not None
@@ -187,7 +187,7 @@ def changed_surface(
     )
 
 
-def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
+def _reshape(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
     """Self-affine spectrum with other exponent or ends and the same rms height."""
     from leak import PowerSpectrum
 
@@ -283,14 +283,14 @@ class Samples:
         Inputs of each part of the seal, with the same value where they have the same name.
     uniform : ndarray, shape (samples, dimensions)
         Numbers between 0 and 1.
-    calculated : KnownRates
+    known_rates : KnownRates
         What has been calculated so far; samples of the same inputs with the same seed may share it.
     """
 
     seal: SolvedSeal
     of_parts: tuple[tuple[AnyInput, ...], ...]
     uniform: FloatArray
-    calculated: KnownRates = field(default_factory=dict, repr=False)
+    known_rates: KnownRates = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -351,7 +351,7 @@ class Samples:
         return np.array([_leak_rates(load) for load in self.seal.loads]).T
 
     @property
-    def evaluated(self) -> tuple[AnyInput, ...]:
+    def run_inputs(self) -> tuple[AnyInput, ...]:
         """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
         return tuple(each for each in self.inputs if each.name != "viscosity")
 
@@ -368,23 +368,23 @@ class Samples:
     @cached_property
     def scores(self) -> FloatArray:
         """Variables of a polynomial, shape (samples, dimensions of `evaluated`)."""
-        parts = variables({each.name: each.shown(self.values[each.name]) for each in self.evaluated})
+        parts = variables({each.name: each.shown(self.values[each.name]) for each in self.run_inputs})
         return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
 
     def columns(self, wanted: AnyInput) -> list[int]:
         """Columns of `scores` that belong to an input."""
-        first = sum(each.dimensions for each in takewhile(lambda each: each is not wanted, self.evaluated))
+        first = sum(each.dimensions for each in takewhile(lambda each: each is not wanted, self.run_inputs))
         return list(range(first, first + wanted.dimensions))
 
     def problems(self, number: int) -> tuple[SealProblem, ...]:
         """The problems of a sample, one for each part of the seal, with the viscosity of the case."""
         return tuple(
             sample_problem(part.problem, part.case, [(each, values[each.name][number]) for each in inputs])
-            for part, inputs, values in zip(self.seal.parts, self.of_parts, self._drawn, strict=True)
+            for part, inputs, values in zip(self.seal.parts, self.of_parts, self._part_values, strict=True)
         )
 
     @cached_property
-    def _drawn(self) -> list[dict[str, FloatArray]]:
+    def _part_values(self) -> list[dict[str, FloatArray]]:
         """Values of the inputs of each part."""
         ends = np.cumsum([each.dimensions for each in self.inputs], dtype=int)
         columns = {
@@ -417,20 +417,20 @@ class Samples:
         """
         loads = range(len(self.seal.loads)) if loads is None else loads
         whole = self.seal.problem.follows_path and (whole_paths or self.follow_paths)
-        new = [n for n in numbers if any((n, load, whole) not in self.calculated for load in loads)]
+        new = [n for n in numbers if any((n, load, whole) not in self.known_rates for load in loads)]
         at_once = 1 if whole else _AT_ONCE
         # the first one makes what all share
         parts = [new[:1], *(new[first : first + at_once] for first in range(1, len(new), at_once))]
 
         def evaluated(part: Sequence[int]) -> list[list[FloatArray] | ConvergenceError]:
-            return self._evaluated(part, loads, whole)
+            return self._evaluate(part, loads, whole)
 
         outcomes = [*map(evaluated, parts[:1]), *fork_map(evaluated, parts[1:])] if new else []
         for number, outcome in zip(new, (each for part in outcomes for each in part), strict=True):
             for place, load in enumerate(loads):
                 rates = outcome if isinstance(outcome, ConvergenceError) else outcome[place]
-                self.calculated[number, load, whole] = rates
-        found = [[self.calculated[n, load, whole] for load in loads] for n in numbers]
+                self.known_rates[number, load, whole] = rates
+        found = [[self.known_rates[n, load, whole] for load in loads] for n in numbers]
         none = np.full(self.of_case.shape[0], np.nan)
         rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in found]
         return np.array(rows).reshape(len(found), len(loads), -1).swapaxes(1, 2)
@@ -440,7 +440,7 @@ class Samples:
         """Whether some samples may fail: of a finish and of paths, whose extremes the bodies do not always bear."""
         return self.of_finish or self.seal.problem.follows_path
 
-    def converged(self, rates: FloatArray, fewest: float = _FEWEST_CONVERGED) -> IntArray:
+    def valid_rows(self, rates: FloatArray, fewest: float = _FEWEST_CONVERGED) -> IntArray:
         """Which rows of `leak_rates` are those of samples that converged.
 
         Parameters
@@ -456,12 +456,12 @@ class Samples:
         """
         rows = np.flatnonzero(~np.isnan(rates.reshape(len(rates), -1)).any(axis=1))
         if len(rows) < fewest * len(rates):
-            why = next(each for each in self.calculated.values() if isinstance(each, ConvergenceError))
+            why = next(each for each in self.known_rates.values() if isinstance(each, ConvergenceError))
             few = f"{len(rates) - len(rows)} of {len(rates)} samples did not converge"
             raise ConvergenceError(f"uncertainty: {few}, the first because {why}")
         return rows
 
-    def _evaluated(
+    def _evaluate(
         self, numbers: Sequence[int], loads: Sequence[int], whole: bool
     ) -> list[list[FloatArray] | ConvergenceError]:
         """Of each sample its leak rates at each load, or why there are none."""

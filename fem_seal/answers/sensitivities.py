@@ -34,11 +34,11 @@ from leak import LeakError
 from meshes import GeometryError, MeshingError
 
 # Relative step of the local exponent of what costs a surface, and of a force.
-_SMALL, _SMALL_FORCE = 0.02, 0.01
+_SMALL_STEP, _SMALL_FORCE = 0.02, 0.01
 # The same of a path, whose load steps leave some parts in ten thousand of the width.
 _SMALL_PATH = 0.05
 # Steps that are told: of the applied force; of heights, hardness, modulus and roll-off; of the Hurst exponent.
-_FORCE, _TWICE, _HURST = 1.1, 2.0, 1.1
+_FORCE, _TWO, _HURST = 1.1, 2.0, 1.1
 _LARGEST_HURST = 1.0
 # Of lengths the largest round number up to this share; of angles this many.
 _OF_LENGTH, _OF_ANGLE = 0.07, math.radians(5.0)
@@ -60,7 +60,7 @@ _AT_CONTACT = {
     },
 }
 # Those that a drawing has even where the case leaves them open.
-_ALWAYS = {"land_width", "edge_radius"}
+_DRAWN_KEYS = {"land_width", "edge_radius"}
 # Both edges of a ring, and what they are changed as: its middle, its width.
 _RINGS = {
     ("closure", "inner_radius", "outer_radius"): ("mean_radius", "face_width"),
@@ -72,7 +72,7 @@ _MATERIALS = ("316L", "stellite 6", "aluminium bronze C95400")
 _NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
 # Largest ratio of leak rates that is told as less, and the ratio up to which it is the same.
 _CUTS, _SAME = 0.97, 1.001
-_DOING = "what changes the leak rate most"
+_STATUS = "what changes the leak rate most"
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, ArithmeticError)
 
 # Changes that are evaluated side by side.
@@ -173,7 +173,7 @@ def sensitivities(
     tell = progress if progress is not None and not can_copy() else lambda text: None
 
     def found(changes: Sequence[_Change]) -> list[Sensitivity | None]:
-        tell(_DOING)
+        tell(_STATUS)
         return changed.sensitivities(changes)
 
     changes = list(changed.changes())
@@ -182,7 +182,7 @@ def sensitivities(
     everywhere = _ChangedSeal(result, (*(n for n in judged if n != number), number))
     for place, one in enumerate(every):
         if one.drawn and one.strength > 0.0 and max(one.ratio) <= _CUTS:
-            tell(_DOING)
+            tell(_STATUS)
             every[place] = one = replace(one, helps=everywhere.helps(one))
             if one.helps:
                 break
@@ -217,7 +217,7 @@ class _Change:
     of: float | None = None
     material: str = ""
 
-    def after(self, factor: float) -> float | None:
+    def value_after(self, factor: float) -> float | None:
         """Value after a step [SI]."""
         if self.before is None:
             return None
@@ -276,12 +276,12 @@ class _ChangedSeal:
     def _at_load(self, problems: Problems, more_force: float = 0.0) -> Problems:
         """Problems with the loads in question, after those that have a say in them."""
         every, more = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
-        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved(problems[0]))
+        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._order(problems[0]))
         # bolts keep the force that they have at this load
         loads = replace(problems[0].loads, points=points, refused={}, target_leak_rate=None)
         return under_loads(problems, replace(loads, solved=True, tightened=()))
 
-    def _solved(self, problem: SealProblem) -> tuple[int, ...]:
+    def _order(self, problem: SealProblem) -> tuple[int, ...]:
         """Numbers of the loads that are solved, those in question at the end.
 
         Bodies that yield remember the loads before them; a tolerance is filled as at the highest of all.
@@ -305,7 +305,7 @@ class _ChangedSeal:
             problems = change.problems(one.factor)
             found = evaluate_seal(problems, SharedBodies(tables=FlowModel.short_table, stress=True))
             missing = found[0].solved_loads.problems
-            solved = [n for at, n in enumerate(self._solved(problems[0])) if at not in missing]
+            solved = [n for at, n in enumerate(self._order(problems[0])) if at not in missing]
             loads = dict(zip(solved, loads_of(found), strict=True))
             return all(
                 n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
@@ -356,7 +356,7 @@ class _ChangedSeal:
         self, change: _Change, small: float, near: Rates, factor: float, far: Rates
     ) -> Sensitivity | None:
         """From the leak rates after a small step up and after the step that is told."""
-        after = change.after(factor)
+        after = change.value_after(factor)
         if not len(near) == len(far) == len(self.rates) or (
             change.key == "hurst" and after is not None and after > _LARGEST_HURST
         ):
@@ -405,7 +405,7 @@ class _ChangedSeal:
         yield self._force()
         yield from self._surface()
         if self.problem.form is not None and (self.problem.form.waves or self.problem.form.tolerance):
-            yield _Change("form", 1.0 / _TWICE, partial(self._with_surface, "form"))
+            yield _Change("form", 1.0 / _TWO, partial(self._with_surface, "form"))
         yield from self._dimensions()
         yield from self._materials()
 
@@ -430,22 +430,22 @@ class _ChangedSeal:
         drawn = self._drawn
         steps: dict[str, tuple[float, float | None]] = {
             "rms_height": (
-                _TWICE,
+                _TWO,
                 None if drawn or len(self.case.contacts) > 1 else surface.spectrum.rms_height,
             ),
-            "youngs_modulus": (_TWICE, None),
+            "youngs_modulus": (_TWO, None),
         }
         if surface.hardness is not None:
-            steps["hardness"] = _TWICE, surface.hardness
+            steps["hardness"] = _TWO, surface.hardness
         part = self_affine_part(roughness)
         if part is not None:
             given = roughness.parts[part]
             steps["hurst"] = _HURST, getattr(given, "hurst", None)
-            steps["q_rolloff"] = _TWICE, getattr(given, "q_rolloff", None)
+            steps["q_rolloff"] = _TWO, getattr(given, "q_rolloff", None)
         for key, (step, value) in steps.items():
-            yield _Change(key, step, partial(self._with_surface, key), _SMALL, value)
+            yield _Change(key, step, partial(self._with_surface, key), _SMALL_STEP, value)
         for path, value in drawn.items() if len(drawn) > 1 else ():
-            yield _Change(path, 1.0 / _TWICE, partial(self._with_entries, {path: value}, value), before=value)
+            yield _Change(path, 1.0 / _TWO, partial(self._with_entries, {path: value}, value), before=value)
 
     @cached_property
     def _drawn(self) -> dict[str, float]:
@@ -473,7 +473,7 @@ class _ChangedSeal:
         Half of a drawing's value may be measured with another filter, and stand for other waves. A small change of it
         is one of heights alone: the filters change in steps.
         """
-        if key == "rms_height" and factor == 1.0 / _TWICE and self._drawn:
+        if key == "rms_height" and factor == 1.0 / _TWO and self._drawn:
             halved = {path: factor * value for path, value in self._drawn.items()}
             return self._at_load(problems_of(self.case.replace(halved)))
         parts = zip(self.problems, self.case.parts, strict=True)
@@ -523,7 +523,7 @@ class _ChangedSeal:
                 if marker is None or key not in _AT_CONTACT[body.name]:
                     continue
                 given = getattr(body.table, key)
-                value = getattr(body.shape, key, None) if given is None and key in _ALWAYS else given
+                value = getattr(body.shape, key, None) if given is None and key in _DRAWN_KEYS else given
                 if value:
                     yield f"{body.key}.{key}", marker.dimension, value
 
@@ -580,7 +580,7 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Sensitivity, ...]:
     judged = VERDICT.of(request.answers).seal
     if judged is None:
         return sensitivities(seal, None, request.clock.progress, range(len(seal.loads)))
-    return sensitivities(seal, judged.number, request.clock.progress, judged.judged)
+    return sensitivities(seal, judged.number, request.clock.progress, judged.load_numbers)
 
 
 SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
@@ -590,7 +590,7 @@ SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
     (),
     # of a path of loads they take as long as some twenty paths: only if they are asked for
     lambda seal, request: bool(request.sensitivities) or not seal.problem.follows_path,
-    doing=_DOING,
+    status=_STATUS,
     # among the times of summary.json
     clock="levers",
     asked_by="sensitivities",

@@ -54,7 +54,7 @@ class SealSolution(SolvedSeal):
     set_pressure = SET_PRESSURE
     sensitivities = SENSITIVITIES
 
-    def answered(self, **answers: object) -> Self:
+    def with_answers(self, **answers: object) -> Self:
         """The same with other answers, by their names."""
         return replace(self, answers={**self.answers, **answers})
 
@@ -76,7 +76,7 @@ class SealSolution(SolvedSeal):
     @property
     def judgement_beside(self) -> Mapping[str, tuple[int, LoadVerdict, Verdict]]:
         """What would decide in a scenario that comes to another verdict, see `fem_seal.answers.verdict`."""
-        return VERDICT.of(self.answers).beside
+        return VERDICT.of(self.answers).of_scenarios
 
     @property
     def verdict(self) -> Verdict | None:
@@ -89,7 +89,7 @@ class SealSolution(SolvedSeal):
         return None if self.judgement is None else self.judgement.margin
 
 
-def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
+def answer_parts(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
     """A solved seal with what answers know of its loads; they themselves, of several parts the first's, are kept.
 
     Parameters
@@ -103,8 +103,8 @@ def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Se
     of_part = [answer for answer in answers if answer.of_part]
     first, *others = seal.parts
     if not (of_part and others):
-        return _answered(seal, request, answers)
-    parts = [_answered(first, request, of_part)]
+        return _answer_each(seal, request, answers)
+    parts = [_answer_each(first, request, of_part)]
     known = [one.text for one in FINDINGS.of(request.answers).cautions]
     for part in others:
         own = replace(
@@ -115,18 +115,18 @@ def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Se
             samples={},
             remarks=[],
         )
-        parts.append(_answered(part, own, of_part))
+        parts.append(_answer_each(part, own, of_part))
         texts = [one.text for one in FINDINGS.of(own.answers).cautions if one.text not in known]
         label = part.problem.contact.label_of("closure")
         request.remarks.extend(f"{label}: {text}" for text in (*texts, *own.steps.failures))
-    return _answered(seal.with_parts(parts), request, [answer for answer in answers if not answer.of_part])
+    return _answer_each(seal.with_parts(parts), request, [answer for answer in answers if not answer.of_part])
 
 
-def _answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
+def _answer_each(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
     for answer in answers:
         if not answer.is_asked_of(seal, request):
-            request.answers[answer.name] = answer.otherwise
+            request.answers[answer.name] = answer.fallback
             continue
-        request.answers[answer.name] = found = answer.found(seal, request)
+        request.answers[answer.name] = found = answer.compute_or_fall_back(seal, request)
         seal = seal.with_loads([answer.of_load(load, n, found) for n, load in enumerate(seal.loads)])
     return seal

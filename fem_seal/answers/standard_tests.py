@@ -159,7 +159,7 @@ def _load_of(written: Mapping[str, Any], pressures: Sequence[float], force: floa
     return {**kept, "fluid_pressure": [f"{one!r} Pa" for one in pressures], "applied_force": f"{force!r} N"}
 
 
-def _solved(case: Case, test: str, request: Request) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
+def _solve_loads(case: Case, test: str, request: Request) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
     assert request.solve is not None and case.fluid is not None
     seal, name = request.solve(case, answers=_ANSWERS), case.fluid.name
     found = [
@@ -173,7 +173,7 @@ def _solved(case: Case, test: str, request: Request) -> tuple[SolvedSeal, tuple[
         )
         for load in seal.loads
     ]
-    for point, problem in seal.missing.items():
+    for point, problem in seal.load_problems.items():
         rate = math.inf if problem.kind == "open" else math.nan
         found.append(
             TestedLoad(test, name, *point, rate, Bounds(rate, rate), missing_verdict(case, point, problem))
@@ -187,7 +187,7 @@ def _tests(seal: SolvedSeal, request: Request) -> tuple[TestedLoad, ...]:
 
     def pressed(test: ClosureTest) -> tuple[TestedLoad, ...]:
         try:
-            return _solved(under_test(case, test), test.name, request)[1]
+            return _solve_loads(under_test(case, test), test.name, request)[1]
         except NoLoadLeftError as error:
             return (_without_result(case, test, error),)
 
@@ -206,7 +206,7 @@ STANDARD_TESTS = Answer[tuple[TestedLoad, ...]](
     _tests,
     (),
     lambda seal, request: seal.case.requirement is not None and seal.case.requirement.test == "standard",
-    doing="tests of the standard",
+    status="tests of the standard",
     needs=("case.requirement",),
 )
 
@@ -224,7 +224,7 @@ def _up_to_opening(seal: SolvedSeal, request: Request) -> SetPressure:
         tables["requirement"] = {"standard": RELIEF} | {
             key: given[key] for key in given if key == "bubble_volume"
         }
-    solved, loads = _solved(Case(**{**tables, "load": load}), "", request)
+    solved, loads = _solve_loads(Case(**{**tables, "load": load}), "", request)
     opens = solved.loads[-1].blow_off_pressure
     return SetPressure(pressure, case.initial_contact_radius, force, opens, loads)
 
@@ -234,6 +234,6 @@ SET_PRESSURE = Answer[SetPressure | None](
     "leak rate up to the set pressure",
     _up_to_opening,
     None,
-    doing="leak rate up to the set pressure",
+    status="leak rate up to the set pressure",
     needs=("case.set_pressure", "problem.leaks"),
 )

@@ -122,18 +122,18 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     """
     shown = None
     if target is not None:
-        shown = _rate(target, target) if hasattr(target, _WRITTEN) else format_quantity("flow", target)
+        shown = _rate(target, target) if hasattr(target, _PV) else format_quantity("flow", target)
     message = sentence("target", name, **values)
     return InputError.at("load.target_leak_rate", message, shown, file=problem.file)
 
 
 # What a target of a case has that was written as pressure times volume over time [Pa m^3/s].
-_WRITTEN = "pressure_volume"
+_PV = "pressure_volume"
 
 
 def _rate(rate: float, target: float) -> str:
     """A leak rate [m^3/s] in the kind of unit in which the target was written."""
-    written: float | None = getattr(target, _WRITTEN, None)
+    written: float | None = getattr(target, _PV, None)
     return quantity("flow", rate) if written is None else quantity("throughput", rate * written / target)
 
 
@@ -192,7 +192,7 @@ def contacts_at_target(
             except (InputError, OpenSealError):
                 return log_excess(math.inf, target)
             except ConvergenceError:
-                if trials.unreached is None:
+                if trials.path_error is None:
                     raise
                 return None
             if problem.follows_path and _turning(load) > LARGEST_TURNING:
@@ -214,7 +214,7 @@ def _at_target(
     """The load with the target's leak rate, or why there is none."""
     problem = problems[0]
     if zero is None:
-        raise trials.unreached or ConvergenceError("no force was found that keeps the strains small")
+        raise trials.path_error or ConvergenceError("no force was found that keeps the strains small")
     pressure, load = trials.fluid_pressure, _leaking(problems, trials.load(zero.place), scenario)
     if zero.end is not None:
         why = "not_met"
@@ -222,7 +222,7 @@ def _at_target(
             why = "always_met"
         elif load.contact.stop_force > 0.0:
             why = "stopped"
-        elif trials.unreached is not None:
+        elif trials.path_error is not None:
             why = "not_reached"
         force, leaves = short_quantity("force", load.contact_force), _rate(_leak_rate(load), target)
         raise target_problem(problem, why, target, force=force, leaves=leaves, pressure=pressure)
@@ -296,9 +296,9 @@ def _compute(seal: SolvedSeal, request: Request) -> TargetForces:
         )
 
     with request.clock.step("questions", ""):
-        own = compute(TARGET.what)
+        own = compute(TARGET.subject)
         others = {
-            name: compute(f"{TARGET.what} of {SCENARIOS[name].asperities}", name)
+            name: compute(f"{TARGET.subject} of {SCENARIOS[name].asperities}", name)
             for name in seal.loads[0].others
         }
     remarks = [remark for one in (own, *others.values()) for remark in one.remarks]

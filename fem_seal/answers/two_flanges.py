@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
-from fem_seal.answers.case_load import CaseLoad, Whole
+from fem_seal.answers.case_load import CaseLoad, Item
 from fem_seal.seal.findings import EXACT, Bounds, Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 
@@ -87,9 +87,9 @@ class GasketLoad(CaseLoad):
             scenarios=scenarios,
         )
 
-    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], wholes: Sequence[Whole]) -> Validity:
+    def validity_by(self, check: Callable[[Item, CaseLoad], Validity], items: Sequence[Item]) -> Validity:
         """That of both faces, each off by its own share of the leak."""
-        upper, lower = map(check, wholes, self.parts)
+        upper, lower = map(check, items, self.parts)
         return _joined_validity(upper, lower, self.upper_share)
 
     @property
@@ -115,9 +115,9 @@ class GasketLoad(CaseLoad):
         return mean_rate(face.leak_before_sealing for face in self.parts)
 
     @cached_property
-    def unsealed(self) -> tuple[float, float]:
+    def unsealed_rates(self) -> tuple[float, float]:
         """What flows through open bore and rough gap, in the mean of both faces [m^3/s]."""
-        bore, gap = map(mean_rate, zip(*(face.unsealed for face in self.parts), strict=True))
+        bore, gap = map(mean_rate, zip(*(face.unsealed_rates for face in self.parts), strict=True))
         return bore, gap
 
     @cached_property
@@ -163,10 +163,10 @@ def _joined_validity(upper: Validity, lower: Validity, share: Callable[[], float
     share : callable
         Gives the share of the upper face in the leak, where it is needed.
     """
-    return Validity.of(_joined(upper, lower, share)) if upper.cautions or lower.cautions else upper
+    return Validity.of(_join_cautions(upper, lower, share)) if upper.cautions or lower.cautions else upper
 
 
-def _joined(upper: Validity, lower: Validity, share: Callable[[], float]) -> Iterator[Finding]:
+def _join_cautions(upper: Validity, lower: Validity, share: Callable[[], float]) -> Iterator[Finding]:
     own = share()
     for kind in dict.fromkeys(one.kind for one in (*upper.cautions, *lower.cautions)):
         alike = [Validity.of(one for one in face.cautions if one.kind == kind) for face in (upper, lower)]

@@ -110,20 +110,20 @@ class LeakInterval:
     @cached_property
     def low(self) -> FloatArray:
         """Lower end of the interval in the reading that leaks less, at each load, shape (loads,) [m^3/s]."""
-        return np.minimum.reduce(list(map(partial(_quantile, 0.5 - 0.5 * self.confidence), self._found)))
+        return np.minimum.reduce(list(map(partial(_quantile, 0.5 - 0.5 * self.confidence), self._all_rates)))
 
     @property
     def median(self) -> FloatArray:
         """Leak rate that half of the samples exceed, with the theory's own error, shape (loads,) [m^3/s]."""
-        return _quantile(0.5, self._found[0])
+        return _quantile(0.5, self._all_rates[0])
 
     @cached_property
     def high(self) -> FloatArray:
         """Upper end of the interval in the reading that leaks more, at each load, shape (loads,) [m^3/s]."""
-        return np.maximum.reduce(list(map(partial(_quantile, 0.5 + 0.5 * self.confidence), self._found)))
+        return np.maximum.reduce(list(map(partial(_quantile, 0.5 + 0.5 * self.confidence), self._all_rates)))
 
     @cached_property
-    def _found(self) -> list[FloatArray]:
+    def _all_rates(self) -> list[FloatArray]:
         """What direct simulation may find of the samples, in each reading: with evenly spread factors of its error."""
         every = [self.leak_rate, *self.others.values()]
         if not any(self.own_error):
@@ -138,7 +138,7 @@ class LeakInterval:
         return [(rates[:, :, None] * factors[:, None, :]).reshape(len(rates), -1) for rates in every]
 
     @property
-    def sealed(self) -> FloatArray:
+    def sealed_share(self) -> FloatArray:
         """Share of the samples that do not leak, shape (loads,)."""
         return (self.leak_rate == 0).mean(axis=1)
 
@@ -156,12 +156,12 @@ class LeakInterval:
         """
         if self.in_test is not None and TEST_GAS in load.scenarios:
             ends = self.in_test.ends(number)
-            load = load.with_scenarios({TEST_GAS: load.scenarios[TEST_GAS].with_values(sampled=ends)})
+            load = load.with_scenarios({TEST_GAS: load.scenarios[TEST_GAS].with_values(sample_ends=ends)})
         return load.with_values(
-            sampled=self.ends(number),
+            sample_ends=self.ends(number),
             leak_rate_p50=float(self.median[number]),
             rougher=self.rougher,
-            tested=self.error_scores is not None,
+            after_test=self.error_scores is not None,
         )
 
 
@@ -194,7 +194,7 @@ def leak_interval(
     progress : callable, optional
         Called with a status message before each step.
     known : dict, optional
-        See `Samples.calculated`.
+        See `Samples.known_rates`.
 
     Returns
     -------
@@ -225,7 +225,7 @@ def leak_interval(
     leaks = np.all((samples.of_case > 0) & np.isfinite(samples.of_case), axis=0)
     told = progress or (lambda text: None)
     parts = [
-        _Sampling(samples, np.flatnonzero(leaks == which), which, settings.confidence).part(told)
+        _LoadGroup(samples, np.flatnonzero(leaks == which), which, settings.confidence).part(told)
         for which in np.unique(leaks)[::-1].tolist()
     ]
     return _interval(samples, settings, parts)
@@ -243,7 +243,7 @@ class _Part(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Sampling:
+class _LoadGroup:
     """Samples at loads at all of which the case itself leaks, or at none: from few runs where they are smooth."""
 
     samples: Samples
@@ -279,11 +279,11 @@ class _Sampling:
         numbers, viscosity = np.arange(len(samples.uniform)), samples.viscosity[:, None]
         runs, surface = numbers[:0], None
         predicted = rates = np.tile(self.of_case, (len(numbers), 1))
-        if samples.evaluated:
+        if samples.run_inputs:
             runs, predicted, surface = self._runs(progress)
             numbers, rates = (runs, predicted) if surface is None else (numbers, predicted.copy())
             rates[np.searchsorted(numbers, runs)] = self.rates(runs.tolist())
-        if samples.evaluated and (surface is not None or linearised):
+        if samples.run_inputs and (surface is not None or linearised):
             # the scenarios with the fluid of the case at the last load
             last = slice(loads - 1, samples.scenario_count * loads, loads)
             ends = samples_at_ends((predicted / viscosity[numbers])[:, last], self.confidence)
@@ -318,7 +318,7 @@ class _Sampling:
             progress(f"uncertainty: samples up to {goal} of {most}")
             rates = self.rates(range(goal))
             # a contact that did not converge says nothing; the polynomial goes through the others
-            runs = samples.converged(rates) if samples.may_miss_some else samples.converged(rates, 1.0)
+            runs = samples.valid_rows(rates) if samples.may_miss_some else samples.valid_rows(rates, 1.0)
             if goal < total and np.all((rates[runs] > 0) & np.isfinite(rates[runs])):
                 logs = np.log(rates[runs])
                 surface = fit(scores[runs], logs, scores)
@@ -334,12 +334,12 @@ class _Sampling:
         samples, loads = self.samples, rates.shape[1]
         if not np.all((rates > 0) & np.isfinite(rates)):
             return np.full((loads, len(samples.inputs)), np.nan)
-        if surface is None and samples.evaluated:
+        if surface is None and samples.run_inputs:
             surface = fit(samples.scores[numbers], np.log(rates), samples.scores)
         own = np.full(loads, np.log(samples.viscosity).var())
         variances = [
             own
-            if surface is None or uncertain not in samples.evaluated
+            if surface is None or uncertain not in samples.run_inputs
             else surface.variance_of(samples.columns(uncertain))[:loads]
             for uncertain in samples.inputs
         ]

@@ -158,7 +158,7 @@ INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     "comparison of elastic and plastic interface law",
     lambda seal, request: interface_variants(request.solver, seal.loads),
     (),
-    doing="comparing elastic and plastic interface law",
+    status="comparing elastic and plastic interface law",
     clock="variants",
     of_part=True,
 )

@@ -178,35 +178,35 @@ class Verdicts:
     ----------
     seal : SealVerdict or None
     of_loads : tuple of LoadVerdict or None
-    beside : mapping
+    of_scenarios : mapping
         Number and judgement of the load that would decide in a scenario with contacts of its own, and the verdict in
         the nominal one, both with the inputs as given; where these verdicts differ.
     """
 
     seal: SealVerdict | None = None
     of_loads: tuple[LoadVerdict | None, ...] = ()
-    beside: Mapping[str, tuple[int, LoadVerdict, Verdict]] = field(default_factory=dict)
+    of_scenarios: Mapping[str, tuple[int, LoadVerdict, Verdict]] = field(default_factory=dict)
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Verdicts:
     open_inputs = seal.problem.origin.usual_only or seal.case.sampled is not None
     sampled = UNCERTAINTY.of(request.answers) is not None or not open_inputs
     loads = with_verdicts(seal.case, seal.loads, sampled=sampled)
-    found = seal_verdict(seal.case, loads, seal.missing, seal.problem.hardness)
+    found = seal_verdict(seal.case, loads, seal.load_problems, seal.problem.hardness)
     return Verdicts(found, tuple(load.judgement for load in loads), _in_scenarios(seal))
 
 
 def _in_scenarios(seal: SolvedSeal) -> dict[str, tuple[int, LoadVerdict, Verdict]]:
-    own = _worst(seal.case, [load.with_values(sampled=None) for load in seal.loads])
+    own = _worst_verdict(seal.case, [load.with_values(sample_ends=None) for load in seal.loads])
     found = {}
     for scenario in with_own_contacts(seal.problem):
-        other = _worst(seal.case, [load.scenarios.get(scenario.name) for load in seal.loads])
+        other = _worst_verdict(seal.case, [load.scenarios.get(scenario.name) for load in seal.loads])
         if own is not None and other is not None and own[1].verdict is not other[1].verdict:
             found[scenario.name] = (*other, own[1].verdict)
     return found
 
 
-def _worst(case: Case, loads: Sequence[CaseLoad | None]) -> tuple[int, LoadVerdict] | None:
+def _worst_verdict(case: Case, loads: Sequence[CaseLoad | None]) -> tuple[int, LoadVerdict] | None:
     known = [
         (number, one)
         for number, load in enumerate(loads)
@@ -226,9 +226,9 @@ VERDICT = Answer[Verdicts](
 
 
 # ln of the upper end over the limit is kept within this: sealed and open are something, too.
-_FAR = 20.0
+_LARGEST_EXCESS = 20.0
 # The force that is told passes, this much less in ln F (three per cent) does not, and it stands so far above the root.
-_LESS, _ABOVE_ROOT = 0.0304, 0.01
+_FORCE_STEP, _ABOVE_ROOT = 0.0304, 0.01
 # Accuracy of a root in ln F.
 _ACCURACY = 2e-3
 # Change over ln F of what samples and mesh add, at most.
@@ -237,7 +237,7 @@ _MOST_RUNS = 8
 
 Alone = Callable[[float, float], CaseLoad]
 # ln of a contact force, and what samples and mesh add there to ln of the upper end.
-Added = tuple[float, float]
+Addition = tuple[float, float]
 
 
 def forces_for_verdict(
@@ -268,7 +268,7 @@ def forces_for_verdict(
     sought = {
         pressure: load
         for pressure, load in first.items()
-        if not (problem.origin.usual_only or (case.sampled is not None and load.sampled is None))
+        if not (problem.origin.usual_only or (case.sampled is not None and load.sample_ends is None))
     }
     lowest, highest = sensible_forces(result.problems)
     starts = {
@@ -311,7 +311,7 @@ class _Search:
     trials: Trials
     alone: Alone
     progress: Progress
-    tried: dict[float, CaseLoad | None] = field(default_factory=dict)
+    outcomes: dict[float, CaseLoad | None] = field(default_factory=dict)
     """Loads by ln of their contact force, without samples and mesh error; None of what cannot be solved."""
 
     def force(self, zero: Zero | None) -> VerdictForce:
@@ -322,37 +322,38 @@ class _Search:
         passes: CaseLoad | None = None
         for _ in range(_MOST_RUNS):
             if zero is None or zero.end is not None:
-                return VerdictForce(None, self._why_none(zero)) if passes is None else _passing(passes)
-            at = min(zero.place + _ABOVE_ROOT, high - _LESS)
+                return VerdictForce(None, self._why_none(zero)) if passes is None else _force_of(passes)
+            at = min(zero.place + _ABOVE_ROOT, high - _FORCE_STEP)
             at = at if low < at else 0.5 * (low + high) if math.isfinite(high) else low + _ABOVE_ROOT
-            run = self._run(at)
-            value = _FAR if run is None or run.validity.outside_theory else self._excess(run)
+            run = self._run_alone(at)
+            value = _LARGEST_EXCESS if run is None or run.validity.outside_theory else self._excess(run)
             if run is not None and value <= 0.0:
                 high, passes = at, run
             else:
                 low = at
             calculated = self._value(at)
-            added.append((at, value - (_FAR if calculated is None else calculated)))
+            added.append((at, value - (_LARGEST_EXCESS if calculated is None else calculated)))
             # one that is tried already spares the trial of the smallest that counts
-            less = [*(place for place in self.tried if at - _LESS < place < at), at - _LESS]
-            fails = (self._with(added, place) for place in less)
+            less = [*(place for place in self.outcomes if at - _FORCE_STEP < place < at), at - _FORCE_STEP]
+            fails = (self._value_with(added, place) for place in less)
             if passes is not None and (
-                high - low <= 1.01 * _LESS or (high == at and any(one is None or one > 0.0 for one in fails))
+                high - low <= 1.01 * _FORCE_STEP
+                or (high == at and any(one is None or one > 0.0 for one in fails))
             ):
-                return _passing(passes)
+                return _force_of(passes)
             zero = self.zero(at, added)
         if passes is None:
             return VerdictForce(None, sentence("verdict_force", "not_found"))
-        return _passing(passes)
+        return _force_of(passes)
 
-    def zero(self, start: float, added: Sequence[Added]) -> Zero | None:
+    def zero(self, start: float, added: Sequence[Addition]) -> Zero | None:
         """Where the upper end comes down to the limit with what samples and mesh add."""
         lowest, highest = sensible_forces(self.result.problems)
         return find_zero(
-            partial(self._with, added), start, lowest=lowest, highest=highest, accuracy=_ACCURACY
+            partial(self._value_with, added), start, lowest=lowest, highest=highest, accuracy=_ACCURACY
         )
 
-    def _run(self, at: float) -> CaseLoad | None:
+    def _run_alone(self, at: float) -> CaseLoad | None:
         load = self._load(at)
         if load is None:
             return None
@@ -362,10 +363,10 @@ class _Search:
         except (ConvergenceError, InputError):
             return None
 
-    def added_at_first(self) -> Added:
+    def added_at_first(self) -> Addition:
         """What the samples add at the load of the case."""
         at = math.log(max(self.load.contact_force, math.exp(sensible_forces(self.result.problems)[0])))
-        sampled, calculated = self.load.sampled, self.load.leak_range
+        sampled, calculated = self.load.sample_ends, self.load.leak_range
         rate = math.nan if self.load.leak is None else self.load.leak.leak_rate
         most = self.load.theory_error.high * (rate if calculated is None else calculated[1])
         if sampled is None or not (0.0 < most < math.inf and 0.0 < sampled[1] < math.inf):
@@ -381,20 +382,20 @@ class _Search:
         load = self._load(at)
         return None if load is None or load.validity.outside_theory else self._excess(load)
 
-    def _with(self, added: Sequence[Added], at: float) -> float | None:
+    def _value_with(self, added: Sequence[Addition], at: float) -> float | None:
         value = self._value(at)
-        return None if value is None else min(value + _along(added, at), _FAR)
+        return None if value is None else min(value + _extrapolate(added, at), _LARGEST_EXCESS)
 
     def _load(self, at: float) -> CaseLoad | None:
-        if at not in self.tried:
+        if at not in self.outcomes:
             self._tell(f"a contact force of {short_quantity('force', math.exp(at))}")
             try:
                 load = with_scenarios(self.result.problems, self.trials.load(at))
             except (ConvergenceError, InputError, OpenSealError):
-                self.tried[at] = None
+                self.outcomes[at] = None
             else:
-                self.tried[at] = load_of_parts([*map(_checked, self.result.problems, load.parts)])
-        return self.tried[at]
+                self.outcomes[at] = load_of_parts([*map(_with_validity, self.result.problems, load.parts)])
+        return self.outcomes[at]
 
     def _tell(self, tried: str) -> None:
         at = short_quantity("fluid pressure", self.load.fluid_pressure)
@@ -417,15 +418,15 @@ class _Search:
         return sentence("verdict_force", "more_leaks", force=force, off=off, ends=ends)
 
     def _outside_everywhere(self) -> str:
-        reasons = [x.validity.reasons[0] for x in self.tried.values() if x and x.validity.outside_theory]
+        reasons = [x.validity.reasons[0] for x in self.outcomes.values() if x and x.validity.outside_theory]
         return sentence("verdict_force", "nowhere", why=reasons[0] if reasons else "no contact converges")
 
 
-def _passing(load: CaseLoad) -> VerdictForce:
+def _force_of(load: CaseLoad) -> VerdictForce:
     return VerdictForce(load.applied_force)
 
 
-def _checked(problem: SealProblem, load: CaseLoad) -> CaseLoad:
+def _with_validity(problem: SealProblem, load: CaseLoad) -> CaseLoad:
     return load.with_values(validity=load_validity(problem, load))
 
 
@@ -436,7 +437,7 @@ def _begins(problem: SealProblem) -> str:
     return sentence("verdict_force", "on_new") if problem.follows_path else ""
 
 
-def _along(added: Sequence[Added], at: float) -> float:
+def _extrapolate(added: Sequence[Addition], at: float) -> float:
     """What samples and mesh add at ln of a force, on a line through the last two that are known."""
     last, value = added[-1]
     if len(added) < 2 or abs(last - added[-2][0]) < _ABOVE_ROOT:
@@ -447,11 +448,11 @@ def _along(added: Sequence[Added], at: float) -> float:
 
 def _excess(found: LoadVerdict) -> float:
     if found.verdict is Verdict.PASS:
-        return -min(math.log(found.margin), _FAR) if found.margin < math.inf else -_FAR
+        return -min(math.log(found.margin), _LARGEST_EXCESS) if found.margin < math.inf else -_LARGEST_EXCESS
     if not 0.0 < found.margin < 1.0:
         # of what must not be seen there is no margin
-        return 1.0 if math.isnan(found.margin) else _FAR
-    return min(-math.log(found.margin), _FAR)
+        return 1.0 if math.isnan(found.margin) else _LARGEST_EXCESS
+    return min(-math.log(found.margin), _LARGEST_EXCESS)
 
 
 def _forces(seal: SolvedSeal, request: Request) -> Sequence[VerdictForce]:
@@ -459,7 +460,7 @@ def _forces(seal: SolvedSeal, request: Request) -> Sequence[VerdictForce]:
         # where a body yields the force takes minutes
         return [VerdictForce(None, sentence("verdict_force", "too_dear"), looked_for=False)] * len(seal.loads)
     progress = request.clock.progress
-    with request.clock.step("verdict force", VERDICT_FORCE.what):
+    with request.clock.step("verdict force", VERDICT_FORCE.subject):
         return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)
 
 
@@ -475,7 +476,7 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
         problem, sizing, (load,) = one.problem, one.seal_mesh.sizing, one.loads
         with clock.step("error", "estimating the discretisation error"):
             error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
-        return _checked(problem, load.with_values(mesh_error=error))
+        return _with_validity(problem, load.with_values(mesh_error=error))
 
     load = load_of_parts([*map(checked, alone.parts)])
     if seal.case.sampled is None or load.validity.outside_theory:

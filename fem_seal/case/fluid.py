@@ -52,7 +52,7 @@ class Particles(Table):
         if self.iso_4406 is not None:
             return ParticleCounts.of_iso_4406(self.iso_4406, largest)
         assert self.sizes is not None and self.per_ml is not None  # checked when the table was read
-        return ParticleCounts.counted(self.sizes, [1e6 * number for number in self.per_ml], largest)
+        return ParticleCounts.of_counts(self.sizes, [1e6 * number for number in self.per_ml], largest)
 
 
 class Fluid(Table):

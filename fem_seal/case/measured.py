@@ -43,7 +43,7 @@ class MeasuredLeak:
         As `run` gives it [m^3/s]; of a reading below the instrument's limit that limit.
     uncertainty : float
         Standard deviation of its logarithm: for small ones the relative standard deviation [-].
-    below : bool
+    is_below : bool
         Whether less than `leak_rate` leaks.
     """
 
@@ -51,7 +51,7 @@ class MeasuredLeak:
     case: Case
     leak_rate: float
     uncertainty: float = USUAL_UNCERTAINTY
-    below: bool = False
+    is_below: bool = False
 
     @property
     def fluid_pressure(self) -> float:

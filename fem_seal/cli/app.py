@@ -229,7 +229,7 @@ def check(
     from fem_seal.answers.closed_forms import (
         closed_form_limits,
         derive,
-        foreseen,
+        foresee_findings,
         nearly_open,
         run_seconds,
         strain_limit,
@@ -257,7 +257,7 @@ def check(
         problem, sampled=case.sampled is not None, target=case.load.target_leak_rate is not None
     )
     limits = [
-        *foreseen(problem, derivation),
+        *foresee_findings(problem, derivation),
         nearly_open(derivation),
         strain_limit(derivation),
         without_stop(case) or closed_form_limits(case, derivation),

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.answer import Request, loads_of
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.opening import OPENING
-from fem_seal.answers.solution import SealSolution, answered
+from fem_seal.answers.solution import SealSolution, answer_parts
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.explore.screen import Screen, screen_of, shown_load
 from fem_seal.seal.cost import load_seconds
@@ -54,7 +54,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     whole, numbers = problems[0], live_loads(problems[0])
     evaluations, count = solve_live_loads(case, problems, numbers)
     # the interval of every load is as wide as what its checks find
-    seal = answered(
+    seal = answer_parts(
         SolvedSeal.of(evaluations, case, loads_of(evaluations)),
         request := Request(evaluations[0].solver, SILENT),
         [OPENING],
@@ -67,8 +67,8 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
         MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)
         for n, problem in sorted({**whole.loads.refused, **failures}.items())
     ]
-    seal = answered(
-        replace(seal, loads=tuple(loads[:count]), not_calculated=tuple(missing_loads)), request, [VERDICT]
+    seal = answer_parts(
+        replace(seal, loads=tuple(loads[:count]), missing_loads=tuple(missing_loads)), request, [VERDICT]
     )
     solution = SealSolution(**vars(seal), answers=request.answers)
     return screen_of(solution, design, curve_loads=tuple(shown_load(load, case) for load in loads[count:]))

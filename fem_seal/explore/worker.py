@@ -269,7 +269,7 @@ def with_sensitivities(result: SealResult, progress: Progress) -> SealResult:
         sensitivities=True,
         answers=dict(result.answers),
     )
-    return result.answered(sensitivities=SENSITIVITIES.found(result, request))
+    return result.with_answers(sensitivities=SENSITIVITIES.compute_or_fall_back(result, request))
 
 
 def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bool = False) -> Screen:

@@ -43,7 +43,7 @@ TEST_COLUMNS = (
 )
 # An input of whose width less than this has gone is one that the readings say little about, and a theory that is this
 # many times as likely as another is preferred.
-_LEARNED, _PREFERRED = 0.1, 3.0
+_CLEAR, _PREFERRED = 0.1, 3.0
 # Odds beyond which their number says no more.
 _MOST_ODDS = 1000
 
@@ -63,13 +63,18 @@ def write_calibration(found: Calibration, folder: Path) -> None:
     ]
     write_rows_csv(folder / "predictions.csv", PREDICTION_COLUMNS, predictions)
     inputs = [
-        (one.name, *one.prior, *((*one.posterior, one.learned) if taught else (*nothing, math.nan)), one.unit)
+        (
+            one.name,
+            *one.prior,
+            *((*one.posterior, one.narrowing) if taught else (*nothing, math.nan)),
+            one.unit,
+        )
         for one in found.inputs
     ]
     write_rows_csv(folder / "inputs.csv", INPUT_COLUMNS, inputs)
     tests = [(*astuple(one), one.narrowing) for one in found.next_tests if taught]
     write_rows_csv(folder / "next_tests.csv", TEST_COLUMNS, tests)
-    if found.settled:
+    if found.is_usable:
         _write_case(found, folder)
     write_text(folder / "summary.json", as_json(summary(found)))
     write_text(folder / "report.html", report(found))
@@ -104,12 +109,12 @@ def summary(found: Calibration) -> dict[str, Any]:
         },
         "alternatives": dict(found.alternatives) if taught else {},
         "effective_draws": found.effective_draws,
-        "learned": {one.name: one.learned for one in found.inputs} if taught else {},
+        "learned": {one.name: one.narrowing for one in found.inputs} if taught else {},
         "spread_of_ln_Q": {
             "prior": _spread(found, "prior"),
             "posterior": _spread(found, "posterior") if taught else None,
         },
-        "requirement": None if found.judged is None else verdict_numbers(found.judged),
+        "requirement": None if found.solution is None else verdict_numbers(found.solution),
         "next_test": found.next_tests[0].name if found.next_tests and taught else None,
     }
 
@@ -139,13 +144,13 @@ def lines(found: Calibration) -> Iterator[str]:
         now=_range(found, last.posterior),
         before=_range(found, last.prior),
     )
-    if found.judged is not None:
-        yield from verdict_sentences(found.judged)
+    if found.solution is not None:
+        yield from verdict_sentences(found.solution)
     if last.prior[0] > 0.0 and last.posterior[0] > 0.0:
         before, after = (three[2] / three[0] for three in (last.prior, last.posterior))
         which, ratio = "narrower" if after < before else "wider", last.posterior[1] / last.prior[1]
         yield phrase("calibration.sentences", which, ratio=ratio, before=before, after=after)
-    told, silent = ([one for one in found.inputs if (one.learned >= _LEARNED) is it] for it in (True, False))
+    told, silent = ([one for one in found.inputs if (one.narrowing >= _CLEAR) is it] for it in (True, False))
     if told:
         spoken = (
             phrase(
@@ -155,7 +160,7 @@ def lines(found: Calibration) -> Iterator[str]:
                 low=texts[3],
                 high=texts[5],
                 unit=f" {unit}".replace(" -", ""),
-                learned=one.learned,
+                learned=one.narrowing,
             )
             for one in told
             for unit, texts in [_texts(one)]
@@ -177,7 +182,7 @@ def lines(found: Calibration) -> Iterator[str]:
         first = found.next_tests[0]
         narrowing = max(first.narrowing, 0.0)
         yield phrase("calibration.sentences", "next", test=test_in_words(first), narrowing=narrowing)
-    if not found.settled:
+    if not found.is_usable:
         yield phrase("calibration.sentences", "thin", draws=found.effective_draws)
 
 
@@ -223,7 +228,7 @@ def files_line(found: Calibration, folder: Path) -> str:
     found : Calibration
     folder : Path
     """
-    what = "files" if found.settled else "no_case"
+    what = "files" if found.is_usable else "no_case"
     return phrase("calibration.sentences", what, folder=folder, case=folder / CASE)
 
 
@@ -285,16 +290,16 @@ def report(found: Calibration) -> str:
             one.case.fluid.name if one.case.fluid is not None else "",
             format_quantity("fluid pressure", one.fluid_pressure),
             format_quantity("force", one.applied_force),
-            ("< " if one.below else "") + quantity("flow", one.leak_rate, 3),
+            ("< " if one.is_below else "") + quantity("flow", one.leak_rate, 3),
             percent(one.uncertainty),
             _range(found, expected),
         ]
-        for one, expected in zip(found.readings, found.expected, strict=True)
+        for one, expected in zip(found.readings, found.prior_rates, strict=True)
     ]
     tests = [
         [
             test_in_words(one),
-            *(number(x, 3) for x in (one.width, one.expected)),
+            *(number(x, 3) for x in (one.width, one.expected_width)),
             percent(max(one.narrowing, 0.0)),
         ]
         for one in found.next_tests
@@ -330,7 +335,7 @@ def _texts(one: LearnedInput) -> tuple[str, list[str]]:
 
 def _input_row(one: LearnedInput) -> list[str]:
     unit, texts = _texts(one)
-    return [f"{input_name(one.name)} [{unit}]", *texts, percent(max(one.learned, 0.0))]
+    return [f"{input_name(one.name)} [{unit}]", *texts, percent(max(one.narrowing, 0.0))]
 
 
 def calibration_picture(found: Calibration) -> Picture:
@@ -348,7 +353,7 @@ def calibration_picture(found: Calibration) -> Picture:
     loads = [(found.case, one.applied_force, one) for one in found.predictions]
     readings = [
         (one.case, one.applied_force, Prediction(*one.case.load.points[0], before, after))
-        for one, before, after in zip(found.readings, found.expected, found.explained, strict=True)
+        for one, before, after in zip(found.readings, found.prior_rates, found.posterior_rates, strict=True)
     ]
     for case, force, one in (*loads, *readings):
         assert case.fluid is not None
@@ -367,7 +372,7 @@ def calibration_picture(found: Calibration) -> Picture:
                 bars = np.array([middle - low, high - middle])
                 axes.errorbar(p, middle, bars, fmt="o", color=colour, capsize=4, ms=4, label=told)
     for below, marker, name in ((False, "D", "measured"), (True, "_", "measured: less than this")):
-        some = [one for one in found.readings if one.below is below]
+        some = [one for one in found.readings if one.is_below is below]
         if some:
             x = [one.fluid_pressure / pressure.size for one in some]
             y = np.array([one.leak_rate for one in some]) / unit.size

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.closed_forms import Derived, derive, widths
+from fem_seal.answers.closed_forms import ClosedForms, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
@@ -329,7 +329,7 @@ def in_degrees(temperature: float) -> str:
     return f"{trim_zeros(round(unit.of(temperature), 2))} {unit.name}"
 
 
-def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
+def derived_numbers(case: Case, derived: ClosedForms) -> dict[str, Any]:
     """Derived numbers of a case in SI, for `check --json`; of a lower flange of its own, on both faces, beside them."""
     fluid, others = case.fluid, case.parts[1:]
     crossovers = [load.crossover for load in derived.loads if load.crossover]

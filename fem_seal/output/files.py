@@ -159,7 +159,7 @@ def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
         "loads": leak_rows(result, every=every),
         "leakage": leakage_table(result),
         "yielding": [] if result.of_profile else [_yielding(load) for load in result.loads],
-        "imprint": None if result.unloaded is None else _imprints(result.imprints),
+        "imprint": None if result.unloaded_bodies is None else _imprints(result.imprints),
         "convergence": [] if result.of_profile else [_convergence(load) for load in result.loads],
         "discretisation_error": None if result.of_profile else asdict(result.discretisation_error),
         "far_field": {

@@ -73,7 +73,7 @@ def features_used(result: SealSolution) -> dict[str, bool]:
     return {
         "flow": any(load.leak is not None for load in result.loads),
         "exponential law": case.interface.law == "exponential",
-        "yielding bodies": result.unloaded is not None,
+        "yielding bodies": result.unloaded_bodies is not None,
         "penetration": case.load.closing == "penetration",
         "roughness": surface is not None,
         "measured roughness": roughness is not None and roughness.is_measured,

@@ -48,7 +48,7 @@ _KNOWN = {
     ("scipy.sparse._csr", "csr_matrix"),
     ("skfem.element.element_tri.element_tri_p1", "ElementTriP1"),
     ("skfem.mapping.mapping_affine", "MappingAffine"),
-    ("fem_seal.answers.chain", "no_table"),
+    ("fem_seal.answers.chain", "_no_table"),
     (__name__, "_array"),
     (__name__, "_scalar"),
     ("fem_seal.seal.leak_model", "FlowModel.table_around"),

@@ -76,7 +76,7 @@ def leak_rows(result: SealSolution, *, every: bool = False) -> list[dict[str, An
     """
     columns = columns_of(result.case, of_profile=result.of_profile, every=every)
     rows = (_row(columns, load, load.verdict, load.validity) for load in result.loads)
-    return in_order(rows, result.not_calculated, lambda load: _missing_row(result.case, load, columns))
+    return in_order(rows, result.missing_loads, lambda load: _missing_row(result.case, load, columns))
 
 
 def _missing_row(case: Case, load: MissingLoad, columns: Sequence[Column]) -> dict[str, Any]:

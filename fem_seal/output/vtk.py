@@ -206,7 +206,7 @@ def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
     that of a press fit. If both bodies are elastic, none is written, and an unloaded.vtu of an earlier run is removed.
     """
     path = folder / "unloaded.vtu"
-    unloaded = [part.unloaded for part in result.parts if part.unloaded is not None]
+    unloaded = [part.unloaded_bodies for part in result.parts if part.unloaded_bodies is not None]
     if len(unloaded) < len(result.parts):
         path.unlink(missing_ok=True)
         return None

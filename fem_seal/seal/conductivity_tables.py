@@ -86,10 +86,10 @@ def _table_from(surface: RoughContact, of_gas: bool) -> Conductivity:
 def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
-    acting = (
+    acts_at = (
         None if member.equivalent_elastic_surface is None else partial(_acting, member, math.log(pressure))
     )
-    return table.with_liquid(table.liquid.scaled(height, pressure, surface, acting))
+    return table.with_liquid(table.liquid.scaled(height, pressure, surface, acts_at))
 
 
 def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, ...]:
@@ -194,7 +194,7 @@ def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
     """Table between four neighbours on the lattice, at `t` steps from the first one."""
     weights = lagrange(t)
     of_gas = [one for one in found if isinstance(one, GasConductivityTable)]
-    liquid = _alike(found).between(weights)
+    liquid = _alike(found).combine(weights)
     if not of_gas:
         return liquid
     log_R: FloatArray = np.zeros((len(liquid.pressure), of_gas[0].log_inverse_knudsen.size))

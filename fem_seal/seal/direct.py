@@ -221,7 +221,7 @@ class DirectSimulation:
     @property
     def held(self) -> RoughContact:
         """The surface with the waves that the patch holds, for the theory of the very same thing."""
-        return replace(self.surface, spectrum=self.patch.held)
+        return replace(self.surface, spectrum=self.patch.grid_spectrum)
 
     def map(self, sample: int) -> FloatArray:
         """Heights of a sample, from 0 on [m]."""
@@ -234,7 +234,7 @@ class DirectSimulation:
     @cached_property
     def rms_height(self) -> float:
         """Of the patch [m]."""
-        return float(np.std(self.heights)) if self.heights is not None else self.patch.held.rms_height
+        return self.patch.grid_spectrum.rms_height if self.heights is None else float(np.std(self.heights))
 
     @cached_property
     def gap_edges(self) -> FloatArray:
@@ -258,7 +258,7 @@ class DirectSimulation:
 
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
-        surface, spectrum = self.surface, self.patch.held
+        surface, spectrum = self.surface, self.patch.grid_spectrum
         flow = self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP, piece.unload
         yields = surface.hardness if self.settings.yield_stress is None else flow
         about = [
@@ -652,7 +652,7 @@ class DirectTable:
         if end:
             u = np.array([self.ends(row)[0 if end < 0 else 1] for row in self.loading])
         factor = np.log(u / np.asarray(held.effective_separation(p)))
-        simulated = theory.asked(np.log(p))
+        simulated = theory.table_log_p(np.log(p))
         at = np.clip(np.log(theory.pressure), simulated[0], simulated[-1])
         # with one pressure the factor is the same everywhere
         correction = PchipInterpolator(simulated, factor)(at) if p.size > 1 else factor[0]
@@ -708,7 +708,7 @@ def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> It
         before = p
         assert state is not None  # pressures are above zero
         drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
-        pressed = PressedMap(state.gap, state.pressure > 0.0, state.yielded)
+        pressed = PressedMap(state.gap, state.pressure > 0.0, state.has_yielded)
         yield _record(simulation, state.contact)._replace(
             yielded_area=state.yielded_area, map=pressed.text if drawn else ""
         )

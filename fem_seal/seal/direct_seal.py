@@ -130,7 +130,7 @@ class SealSimulation:
     def keys(self, piece: StripPiece) -> list[str]:
         """Hash of everything that a piece depends on."""
         place, strip = self.places[piece.place], self.places[piece.place].strip
-        assert strip.held is not None  # the surface is rough
+        assert strip.grid_spectrum is not None  # the surface is rough
         yields = {
             "elastic": None,
             "capped": self.surface.hardness,
@@ -143,7 +143,7 @@ class SealSimulation:
         ]  # fmt: skip
         digest = hashlib.sha256(repr(about).encode())
         digest.update(np.round(strip.macroscopic_gap / self.surface.spectrum.rms_height, 6).tobytes())
-        digest.update(strip.held.wavenumber.tobytes() + strip.held.density.tobytes())
+        digest.update(strip.grid_spectrum.wavenumber.tobytes() + strip.grid_spectrum.density.tobytes())
         return [digest.hexdigest()[:20]]
 
     def record(self, values: Mapping[str, Any]) -> StripRecord:
@@ -157,7 +157,7 @@ class SealSimulation:
             assert self.settings.yield_stress is not None
             longest = LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.settings.yield_stress
             steps = max(_LEAST_STEPS, math.ceil(place.profile.peak_pressure / longest))
-        state = place.strip.pressed(
+        state = place.strip.press(
             place.line_load,
             effective_modulus=self.surface.effective_modulus,
             seed=self.settings.seed + piece.sample,
@@ -309,8 +309,8 @@ def _place(
 ) -> SealPlace:
     profile = contact.profile
     strip = _strip(contact, surface, settings)
-    assert strip.held is not None  # the surface is rough
-    held = replace(surface, spectrum=strip.held)
+    assert strip.grid_spectrum is not None  # the surface is rough
+    held = replace(surface, spectrum=strip.grid_spectrum)
     peaks = log_peaks([contact])
     whole = flow.table_around(surface, peaks)
     tables = (flow.in_contact(flow.table_around(one, peaks), one, profile) for one in (surface, held))

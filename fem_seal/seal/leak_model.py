@@ -631,7 +631,7 @@ class LeakModel:
         def beyond_sealing(log_pressure: float) -> float:
             # of an acting pressure, as the tables are
             asked = np.array(log_pressure)
-            return min(float(one.asked(asked)) - math.log(one.sealing_pressure) for one in tables)
+            return min(float(one.table_log_p(asked)) - math.log(one.sealing_pressure) for one in tables)
 
         beyond = 0.0
         if beyond_sealing(high) > 0.0:

@@ -25,7 +25,7 @@ from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
-from fem_seal.answers.solution import answered
+from fem_seal.answers.solution import answer_parts
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import OWN_CONTACTS
@@ -167,7 +167,7 @@ def _add_answers(evaluations: Sequence[Evaluation], case: Case, columns: Sequenc
         answers.append(OWN_CONTACTS)
     if evaluations[0].seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
-    return answered(
+    return answer_parts(
         SolvedSeal.of(evaluations, case, loads_of(evaluations)),
         Request(evaluations[0].solver, SILENT),
         answers,
@@ -193,7 +193,7 @@ def _check_validity(
     has_interval = True
     if with_samples:
         request = Request(evaluations[0].solver, SILENT)
-        (load,) = answered(SolvedSeal.of(evaluations, case, [load]), request, [UNCERTAINTY]).loads
+        (load,) = answer_parts(SolvedSeal.of(evaluations, case, [load]), request, [UNCERTAINTY]).loads
         has_interval = UNCERTAINTY.of(request.answers) is not None
         if not has_interval:
             judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluations)
@@ -211,7 +211,7 @@ def _check_validity(
             if PASS_COLUMNS.issuperset(columns):
                 raise
             load = _drop_column("pass_probability", error, load)
-    return load.with_values(judgement=judgement, passing=chance)
+    return load.with_values(judgement=judgement, chance=chance)
 
 
 def _drop_column(column: str, error: Exception, load: Load) -> Load:

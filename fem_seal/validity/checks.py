@@ -223,7 +223,7 @@ def validity_of(
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
     # a gas percolates where a liquid does
     table = getattr(table, "liquid", table)
-    if by_table and seal.seal_mesh is None and isinstance(table, ConductivityTable) and table.acting is None:
+    if by_table and seal.seal_mesh is None and isinstance(table, ConductivityTable) and table.acts_at is None:
         sealing = table.sealing_pressure
         # u_eff falls with pressure: its value at the next pressure of the table is a lower bound
         separations = table.separation[table.pressure.searchsorted(load.peak_pressure) :]

@@ -38,7 +38,7 @@ class ElastoplasticState:
     ----------
     contact : ContactState
         Pressure and gap; its overlap is zero, since the metal itself has moved.
-    raised : ndarray
+    plastic_displacement : ndarray
         Displacement of the surface by plastic strain, upwards, shape (n, m) [m].
     yielded_points : ndarray
         Where the grid below the surface has flowed, flat indices into (layers, n, m).
@@ -62,7 +62,7 @@ class ElastoplasticState:
     """
 
     contact: ContactState
-    raised: FloatArray
+    plastic_displacement: FloatArray
     yielded_points: IntArray
     plastic_strain: FloatArray
     equivalent_strain: FloatArray
@@ -84,7 +84,7 @@ class ElastoplasticState:
         return float(np.mean(self.pressure > 0.0))
 
     @property
-    def yielded(self) -> BoolArray:
+    def has_yielded(self) -> BoolArray:
         """Points of the surface below which the metal has flowed, shape (n, m)."""
         flows = np.zeros(self.gap.size, bool)
         flows[self.yielded_points % flows.size] = True
@@ -93,7 +93,7 @@ class ElastoplasticState:
     @property
     def yielded_area(self) -> float:
         """Share of the surface below which the metal has flowed [-]."""
-        return float(np.mean(self.yielded))
+        return float(np.mean(self.has_yielded))
 
     def field(self) -> FloatArray:
         """Plastic strain on the whole grid, shape (5, layers, n, m) [-]."""
@@ -239,7 +239,7 @@ class _Indentation:
         guess: FloatArray,
         p: FloatArray | None,
     ) -> tuple[FloatArray, FloatArray, FloatArray, ContactState]:
-        """Plastic strain, equivalent strain, raised surface and contact after one step of the pressure."""
+        """Plastic strain, equivalent strain, displaced surface and contact after one step of the pressure."""
         at, last_strain, momentum = guess, guess, 1.0
         for _ in range(_MOST_STEPS):
             response = self.solid.response(at)

@@ -76,13 +76,13 @@ class PlasticResponse(NamedTuple):
     >>> from leak.direct import PeriodicHalfSpace
     >>> from leak.direct.layers import LayeredHalfSpace
     >>> body = LayeredHalfSpace(PeriodicHalfSpace(8, 1e-3, 100e9), poissons_ratio=0.3, layers=4)
-    >>> float(np.abs(body.response(np.zeros((5, 4, 8, 8))).along).max())
+    >>> float(np.abs(body.response(np.zeros((5, 4, 8, 8))).along_wave).max())
     0.0
     """
 
-    along: np.ndarray
+    along_wave: np.ndarray
     """U and W, shape (layers + 1, 2, waves)."""
-    across: np.ndarray
+    across_wave: np.ndarray
     """T, shape (layers + 1, waves)."""
     mean: FloatArray
     """Mean plastic strain of each layer, shape (5, layers)."""
@@ -254,7 +254,7 @@ class LayeredHalfSpace:
         from scipy import fft
 
         shape, nu = self.surface.shape, self.poissons_ratio
-        surface = -response.along[0, 1].reshape(shape[0], -1)
+        surface = -response.along_wave[0, 1].reshape(shape[0], -1)
         stretch = -(response.mean[XX] + response.mean[YY])
         surface[0, 0] = math.prod(shape) * (1.0 - 2.0 * nu) / (1.0 - nu) * float(stretch @ self.thickness)
         return np.asarray(fft.irfft2(surface, shape))
@@ -274,8 +274,8 @@ class LayeredHalfSpace:
         points = math.prod(shape)
         _, c, s = self._waves
         waves_p = fft.rfft2(pressure).ravel()
-        U, W = (response.along[:, k] + self._by_pressure[:, k] * waves_p for k in (0, 1))
-        T = response.across
+        U, W = (response.along_wave[:, k] + self._by_pressure[:, k] * waves_p for k in (0, 1))
+        T = response.across_wave
 
         def by_layer(values: np.ndarray) -> np.ndarray:
             return values.reshape(self.layers, *c.shape)

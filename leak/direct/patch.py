@@ -109,24 +109,24 @@ class Patch:
         return max(low, self.spectrum.q_low), 2.0 * np.pi / self.shortest_wavelength * (1.0 + 1e-9)
 
     @cached_property
-    def held(self) -> PowerSpectrum:
+    def grid_spectrum(self) -> PowerSpectrum:
         """The part of the spectrum that the patch holds."""
         return self.spectrum.between(*self.band)
 
     @property
     def height_cut(self) -> float:
         """Share of the height variance that is cut, long and short waves together [-]."""
-        return float(1.0 - self.held.rms_height**2 / self.spectrum.rms_height**2)
+        return float(1.0 - self.grid_spectrum.rms_height**2 / self.spectrum.rms_height**2)
 
     @property
     def slope_cut(self) -> float:
         """Share of the slope variance that is cut [-]."""
-        return float(1.0 - self.held.rms_slope**2 / self.spectrum.rms_slope**2)
+        return float(1.0 - self.grid_spectrum.rms_slope**2 / self.spectrum.rms_slope**2)
 
     def heights(self, seed: int, amplitudes: Literal["gaussian", "exact"] = "exact") -> FloatArray:
         """A sample, shape (points, points) [m]; see `leak.random_map`."""
         return random_map(
-            self.held,
+            self.grid_spectrum,
             size=self.size,
             points=self.points,
             seed=seed,

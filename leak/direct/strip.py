@@ -31,7 +31,7 @@ class StripState(NamedTuple):
     >>> from leak.direct import Strip
     >>> x = np.linspace(-3e-4, 3e-4, 64, endpoint=False)
     >>> strip = Strip(None, (64, 8), 6e-4, x**2 / 0.04)
-    >>> state = strip.pressed(5e3, effective_modulus=115e9, asperities="elastic")
+    >>> state = strip.press(5e3, effective_modulus=115e9, asperities="elastic")
     >>> bool(0.9 < state.pressure.max() / (115e9 * 5e3 / (np.pi * 0.02)) ** 0.5 < 1.1)
     True
     """
@@ -40,7 +40,7 @@ class StripState(NamedTuple):
     """Shape (n, m) [m]; zero in contact."""
     pressure: FloatArray
     """Shape (n, m) [Pa]."""
-    yielded: np.ndarray
+    has_yielded: np.ndarray
     """Points at the hardness or above metal that has flowed, shape (n, m)."""
     conductance: float
     """12 eta times the leak rate per length of the strip and pressure difference [m^2]."""
@@ -83,7 +83,7 @@ class Strip:
     >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-7, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
     >>> x = np.linspace(-3e-4, 3e-4, 64, endpoint=False)
     >>> strip = Strip(spectrum, (64, 32), 6e-4, x**2 / 0.04)
-    >>> rough = strip.pressed(5e3, effective_modulus=115e9, seed=1, asperities="elastic")
+    >>> rough = strip.press(5e3, effective_modulus=115e9, seed=1, asperities="elastic")
     >>> bool(rough.conductance > 0.0)
     True
     """
@@ -121,7 +121,7 @@ class Strip:
         return grid if self.spectrum is None else min(grid, self.spectrum.q_high)
 
     @cached_property
-    def held(self) -> PowerSpectrum | None:
+    def grid_spectrum(self) -> PowerSpectrum | None:
         """The spectrum with the waves that the grid can hold; those longer than the strip are not cut here."""
         spectrum = self.spectrum
         if spectrum is None or spectrum.q_high <= self.q_high:
@@ -130,11 +130,13 @@ class Strip:
 
     def heights(self, seed: int) -> FloatArray:
         """Roughness of a sample, as of a piece cut out of an endless surface, shape (n, m) [m]."""
-        if self.held is None:
+        if self.grid_spectrum is None:
             return np.zeros(self.points)
-        return random_map(self.held, size=self.width, points=self.points, seed=seed, peklenik=self.peklenik)
+        return random_map(
+            self.grid_spectrum, size=self.width, points=self.points, seed=seed, peklenik=self.peklenik
+        )
 
-    def pressed(
+    def press(
         self,
         line_load: float,
         *,
@@ -190,7 +192,7 @@ class Strip:
                     body, h, [load], yield_stress=yield_stress, poissons_ratio=poissons_ratio, start=state
                 )
             assert state is not None
-            return self._state(state.contact, state.yielded, flight)
+            return self._state(state.contact, state.has_yielded, flight)
         cap = hardness if asperities == "capped" else None
         contact = press(body, h, mean, hardness=cap, tolerance=tolerance)
         return self._state(contact, contact.pressure >= (cap or math.inf), flight)

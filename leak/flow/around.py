@@ -268,13 +268,15 @@ def flow_round(
     ends = potential_ends(permeant, pressure_side)
     if callable(conductivity):
         radial_only, state = (
-            _solve_sweeps(xs, rs, conductivity, ends, permeant.potential, around) for around in (False, True)
+            _solve_sweeps(xs, rs, conductivity, ends, permeant.potential, flows_around)
+            for flows_around in (False, True)
         )
-        radial = 0.5 * (radial_only.first + radial_only.last)
+        radial = 0.5 * (radial_only.first_flow + radial_only.last_flow)
     else:
         ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
         state, radial = ring.solve(*ends), ring.radial * abs(ends[1] - ends[0])
-    high, low = (state.last, state.first) if pressure_side == "outer" else (state.first, state.last)
+    flows = state.first_flow, state.last_flow
+    high, low = flows[::-1] if pressure_side == "outer" else flows
     c = permeant.per_potential
     return c * state.flow, c * high, c * low, c * radial, permeant.potential.pressure(state.potential)
 
@@ -285,7 +287,7 @@ def _solve_sweeps(
     conductivity: GasConductivityField,
     ends: tuple[float, float],
     potential: FlowPotential | GasPotential,
-    around: bool,
+    flows_around: bool,
 ) -> _Solution:
     """Solution with the conductivity at the fluid pressure that belongs to it."""
     first, last = ends
@@ -294,7 +296,8 @@ def _solve_sweeps(
     last_flow = np.inf
     for _ in range(_MOST_ITERATIONS):
         at = np.maximum(pressure, _VACUUM)
-        state = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around).solve(first, last)
+        ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), flows_around)
+        state = ring.solve(first, last)
         new_pressure = potential.pressure(state.potential)
         if abs(state.flow - last_flow) <= _TOLERANCE * state.flow:
             return state
@@ -309,9 +312,9 @@ def _solve_sweeps(
 @dataclass(frozen=True, eq=False)
 class _Solution:
     flow: float
-    first: FloatArray
+    first_flow: FloatArray
     """Across the edges at the first and the last x, from the high to the low potential, per angle, shape (k,)."""
-    last: FloatArray
+    last_flow: FloatArray
     potential: FloatArray
 
 
@@ -322,7 +325,7 @@ class _Ring:
     x: FloatArray
     radius: FloatArray
     conductivity: FloatArray
-    around: bool = True
+    flows_around: bool = True
 
     @cached_property
     def across_links(self) -> FloatArray:
@@ -332,7 +335,7 @@ class _Ring:
     @cached_property
     def around_links(self) -> FloatArray:
         """Conductance to the neighbour at the next angle, over that of one angle step, shape (m, k)."""
-        if not self.around:
+        if not self.flows_around:
             return np.zeros(self.conductivity.shape)
         step = 2.0 * np.pi / self.conductivity.shape[1]
         edges = np.concatenate([self.x[:1], 0.5 * (self.x[1:] + self.x[:-1]), self.x[-1:]])

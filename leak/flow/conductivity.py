@@ -122,7 +122,7 @@ class ConductivityTable:
         "bruggeman", "critical-junction" or "threshold-law".
     memory : LoadMemory or None
         What the surface remembers of larger pressures, see `leak.flow.conductivity`; None where nothing is known of it.
-    acting : callable or None
+    acts_at : callable or None
         ln of the pressure that acts at ln p, of a surface whose gaps are those of another one at another pressure:
         all pressures of the table are that one's. None where they are the surface's own.
 
@@ -148,7 +148,7 @@ class ConductivityTable:
     p_max: float
     method: str = "bruggeman"
     memory: RemembersLoad | None = field(default=None, repr=False)
-    acting: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
+    acts_at: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
 
     @cached_property
     def _curve(self) -> MonotoneCurve:
@@ -175,24 +175,24 @@ class ConductivityTable:
         return math.log(self.sealing_pressure)
 
     def of_surface(
-        self, surface: YieldingContact, acting: Callable[[FloatArray], FloatArray] | None = None
+        self, surface: YieldingContact, acts_at: Callable[[FloatArray], FloatArray] | None = None
     ) -> ConductivityTable:
         """The same table, with what larger pressures leave behind on a surface.
 
         Parameters
         ----------
         surface : RoughContact
-        acting : callable, optional
+        acts_at : callable, optional
             From nominal pressures to those at which the table is asked, both as logarithms.
         """
-        return replace(self, memory=LoadMemory(surface), acting=acting)
+        return replace(self, memory=LoadMemory(surface), acts_at=acts_at)
 
     def scaled(
         self,
         height: float,
         pressure: float,
         surface: YieldingContact | None = None,
-        acting: Callable[[FloatArray], FloatArray] | None = None,
+        acts_at: Callable[[FloatArray], FloatArray] | None = None,
     ) -> ConductivityTable:
         """The table of a surface with all heights times `height` that is asked for pressures times `pressure`.
 
@@ -202,7 +202,7 @@ class ConductivityTable:
             Ratios [-].
         surface : RoughContact, optional
             That surface, which knows what larger pressures leave behind.
-        acting : callable, optional
+        acts_at : callable, optional
             Of that surface.
         """
         table = ConductivityTable(
@@ -212,7 +212,7 @@ class ConductivityTable:
             self.p_max * pressure,
             self.method,
             None if surface is None else LoadMemory(surface),
-            acting,
+            acts_at,
         )
         curve = MonotoneCurve(self._curve.x + math.log(pressure), self._curve.y, self._curve.slope)
         vars(table).update(_curve=curve, _decay_length=self._decay_length * height)
@@ -235,7 +235,7 @@ class ConductivityTable:
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero below 1e-60 m, just before the sealing pressure."""
-        x = self.asked(np.asarray(log_pressure, dtype=float))
+        x = self.table_log_p(np.asarray(log_pressure, dtype=float))
         sealing, log_p_max = self._log_sealing, math.log(self.p_max) + 1e-9
         top = x.max(initial=-np.inf)
         if top > log_p_max and (too_high := (x > log_p_max) & (x < sealing)).any():
@@ -252,9 +252,9 @@ class ConductivityTable:
         u = self._decay_length * (np.maximum(y, 0.0) + np.log1p(np.exp(-np.abs(y))))
         return np.where(is_sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
 
-    def asked(self, log_pressure: FloatArray) -> FloatArray:
+    def table_log_p(self, log_pressure: FloatArray) -> FloatArray:
         """ln of the pressure at which the table is asked, of the nominal one at ln(p/Pa)."""
-        return log_pressure if self.acting is None else self.acting(log_pressure)
+        return log_pressure if self.acts_at is None else self.acts_at(log_pressure)
 
     def conductivity(self, pressure: ArrayLike, viscosity: float) -> FloatArray | float:
         """sigma_eff = u_eff^3/(12 eta) [m^3/(Pa s)]."""
@@ -318,7 +318,7 @@ class AlikeTables:
         ]
         return cls(first.pressure[:count] / first.sealing_pressure, np.array(rows), first.method)
 
-    def between(self, weights: Sequence[float], sealing_pressure: float | None = None) -> ConductivityTable:
+    def combine(self, weights: Sequence[float], sealing_pressure: float | None = None) -> ConductivityTable:
         """The table with such weights of each, whose sum is one; with its own sealing pressure where that is known."""
         row, n = np.asarray(weights) @ self.rows, self.over_sealing.size
         if sealing_pressure is not None:
@@ -483,7 +483,7 @@ class GasConductivityTable:
             ln(p/Pa).
         """
         low, high = np.log(self.liquid.pressure[[0, -1]])
-        log_p = self.liquid.asked(np.asarray(log_pressure, dtype=float))
+        log_p = self.liquid.table_log_p(np.asarray(log_pressure, dtype=float))
         x = self._abscissa(np.minimum(np.maximum(log_p, low), high))
         log_rarefaction, share = self._spline.at(x), self._share.value(x)
         first, last = ends = self.log_inverse_knudsen[[0, -1]]

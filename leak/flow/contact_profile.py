@@ -223,7 +223,7 @@ class ContactProfile:
         """ln p* of first loading that lets as much through as p at x, p itself where nothing larger is remembered."""
         return log_p if self.remembers is None else self.remembers(x, log_p)
 
-    def refined(self, cells: int) -> ContactProfile:
+    def with_cells(self, cells: int) -> ContactProfile:
         """The same profile with each cell cut into equal parts, so that there are at least so many."""
         parts = -(-cells // (self.x.size - 1))
         if parts == 1:

@@ -254,7 +254,7 @@ def potential_ends(permeant: Permeant, pressure_side: str) -> tuple[float, float
     """Potential at small and at large x, for the side of the high pressure."""
     checked_side(pressure_side)
     low = float(permeant.potential(permeant.low)) if permeant.low else 0.0
-    ends = low, permeant.potential.whole
+    ends = low, permeant.potential.at_highest
     return ends if pressure_side == "outer" else ends[::-1]
 
 
@@ -551,7 +551,7 @@ def flow_through(
     flow, pressure, peak, gap
         What `permeant.result` takes; the gap only of a gas.
     """
-    profile = profile.refined(permeant.cells)
+    profile = profile.with_cells(permeant.cells)
     log_p, weight, begin = profile.quadrature
     sigma = permeant.sigma(log_p)
     # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.

@@ -24,7 +24,7 @@ from leak.numerics.integrals import gauss_panels
 from leak.numerics.roots import bisect_roots
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import moment_of_all, separations
-from leak.theory.plasticity import RoughnessSeen
+from leak.theory.plasticity import Roughness
 from leak.theory.separation import LostArea, SeparationGrid, density
 
 # ln u_eff^3 may lie this far outside the separations given; what comes as close to the lower end of that is sealed.
@@ -128,7 +128,7 @@ class _Medium(NamedTuple):
     highest: FloatArray
     """Where ln s is looked for, shape (P,)."""
 
-    flowing: FloatArray
+    flow_weight: FloatArray
     """Weight times u^3 in that unit, shape (P, U)."""
 
     @classmethod
@@ -210,7 +210,7 @@ class _Medium(NamedTuple):
         A/B rises with ln s, by exactly ln s for a single sigma and never faster: Newton's method needs a few steps from
         anywhere, the last of which is shorter than `close`. Where the contact has percolated the root is the lower end.
         """
-        low, high, weight, flowing = self.lowest, self.highest, self.weight, self.flowing
+        low, high, weight, flowing = self.lowest, self.highest, self.weight, self.flow_weight
         all_weight = weight.sum(axis=-1)
         most_open, wide = k * (all_weight + self.wide_open), k * self.wide_open
         flow_area, block_area = most_open - self.contact, np.maximum(all_weight + self.contact - wide, 1e-300)
@@ -409,7 +409,7 @@ def _grid_height(lost: LostArea, rms_height: float) -> FloatArray:
 
 def critical_gap(
     spectrum: PowerSpectrum,
-    seen: RoughnessSeen,
+    roughness: Roughness,
     relative_pressure: FloatArray,
     gamma: float,
     percolation_threshold: float,
@@ -421,10 +421,10 @@ def critical_gap(
     Fischer et al., "Fluid leakage in metallic seals", eq. (12) and the text above it.
     """
     target = relative_pressure**2 / (np.pi * area_argument_at(percolation_threshold) ** 2)
-    total = moment_of_all(seen, target.size)
-    M = _elastic_moment(seen, np.minimum(target, total))
-    junction = separations(spectrum, seen, relative_pressure, M[:, None], gamma, refinement=2)
-    return np.where(target < total, junction.lost[:, 0], 0.0)
+    total = moment_of_all(roughness, target.size)
+    M = _elastic_moment(roughness, np.minimum(target, total))
+    junction = separations(spectrum, roughness, relative_pressure, M[:, None], gamma, refinement=2)
+    return np.where(target < total, junction.lost_separation[:, 0], 0.0)
 
 
 def area_argument_at(relative_area: float) -> float:
@@ -434,14 +434,14 @@ def area_argument_at(relative_area: float) -> float:
     return float(erfinv(relative_area))
 
 
-def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
+def _elastic_moment(roughness: Roughness, remaining: FloatArray) -> FloatArray:
     """Elastic moment M at which the remaining moment has a given value, by bisection in ln M (it rises with M)."""
-    if not seen.kappa:
+    if not roughness.kappa:
         return remaining
-    ends = np.log(remaining), np.full(remaining.shape, np.log(seen.end))
-    low, high = bisect_roots(lambda log_M: seen.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
+    ends = np.log(remaining), np.full(remaining.shape, np.log(roughness.end))
+    low, high = bisect_roots(lambda log_M: roughness.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
     # the exponential of a logarithm may lie above the end by a rounding, where there is no spectrum
-    return np.minimum(np.exp(0.5 * (low + high)), seen.end)
+    return np.minimum(np.exp(0.5 * (low + high)), roughness.end)
 
 
 def folded_above(lost: LostArea, u: FloatArray) -> FloatArray:

@@ -56,9 +56,9 @@ class GapDistribution:
     >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
     >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
     >>> gaps = leak.GapDistribution.of(surface, [1e6, 1e8])
-    >>> bool(gaps.below(1e-6)[0] < gaps.below(1e-6)[1])
+    >>> bool(gaps.area_below(1e-6)[0] < gaps.area_below(1e-6)[1])
     True
-    >>> gaps.remaining(0.0).tolist()
+    >>> gaps.remaining_share(0.0).tolist()
     [1.0, 1.0]
     """
 
@@ -89,7 +89,7 @@ class GapDistribution:
         contact = np.maximum(1.0 - weight.sum(axis=1), 0.0)
         return cls(p, edges, u, weight, contact, surface.percolation_threshold, surface.peklenik)
 
-    def below(self, size: float) -> FloatArray:
+    def area_below(self, size: float) -> FloatArray:
         """Nominal area with a gap narrower than a size, contact included, shape (P,) [-].
 
         Parameters
@@ -99,7 +99,7 @@ class GapDistribution:
         """
         return self.contact + (self.weight * self._shut_shares(size)).sum(axis=1)
 
-    def remaining(self, size: float) -> FloatArray:
+    def remaining_share(self, size: float) -> FloatArray:
         """Conductivity with all gaps below a size shut, over that with all open, shape (P,) [-].
 
         The effective medium with those gaps at zero; zero where they and the contact percolate.
@@ -112,7 +112,7 @@ class GapDistribution:
         if size == 0.0:
             return np.ones(self.pressure.shape)
         shares = self._shut_shares(size)
-        gap = self._medium(self.weight * (1.0 - shares), self.below(size))
+        gap = self._medium(self.weight * (1.0 - shares), self.area_below(size))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self._open_gap > 0.0, np.minimum(gap / self._open_gap, 1.0) ** 3, 0.0)
 
@@ -157,10 +157,10 @@ class ShutConductivityTable(ConductivityTable):
     ----------
     log_pressure : ndarray, shape (P,)
         ln(p/Pa), increasing.
-    missing : ndarray, shape (P,)
+    missing_share : ndarray, shape (P,)
         What of the area is missing to the percolation threshold, over the threshold; where none is, nothing flows [-].
-    remaining : ndarray, shape (P,)
-        Share of the conductivity that is left, over `missing` [-].
+    remaining_share : ndarray, shape (P,)
+        Share of the conductivity that is left, over `missing_share` [-].
 
     Examples
     --------
@@ -173,14 +173,14 @@ class ShutConductivityTable(ConductivityTable):
     """
 
     log_pressure: FloatArray = field(kw_only=True)
-    missing: FloatArray = field(kw_only=True)
-    remaining: FloatArray = field(kw_only=True)
+    missing_share: FloatArray = field(kw_only=True)
+    remaining_share: FloatArray = field(kw_only=True)
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero where nothing flows."""
         x = np.asarray(log_pressure, dtype=float)
-        missing = np.maximum(np.interp(x, self.log_pressure, self.missing), 0.0)
-        share = np.minimum(np.interp(x, self.log_pressure, self.remaining) * missing, 1.0)
+        missing = np.maximum(np.interp(x, self.log_pressure, self.missing_share), 0.0)
+        share = np.minimum(np.interp(x, self.log_pressure, self.remaining_share) * missing, 1.0)
         return super().at_log_pressure(x) * np.cbrt(share)
 
 
@@ -233,8 +233,8 @@ def shut_conductivity(
         return replace(table, liquid=shut_conductivity(table.liquid, surface, size))
     gaps = _gaps(surface, table.p_max)
     # toward the threshold the share falls like the area that is missing to it; what is left of it is smooth
-    missing = 1.0 - gaps.below(size) / gaps.percolation_threshold
-    share, flows = gaps.remaining(size), missing > 0.0
+    missing = 1.0 - gaps.area_below(size) / gaps.percolation_threshold
+    share, flows = gaps.remaining_share(size), missing > 0.0
     smooth = np.zeros(share.shape)
     smooth[flows] = share[flows] / missing[flows]
     if flows.any():
@@ -242,8 +242,8 @@ def shut_conductivity(
     return ShutConductivityTable(
         **{entry.name: getattr(table, entry.name) for entry in fields(ConductivityTable)},
         log_pressure=np.log(gaps.pressure),
-        missing=missing,
-        remaining=smooth,
+        missing_share=missing,
+        remaining_share=smooth,
     )
 
 
@@ -343,7 +343,7 @@ def stopped(counts: ParticleCounts, sizes: ArrayLike, remaining: ArrayLike) -> C
     All narrow places are 2 um high:
 
     >>> import leak
-    >>> dust = leak.ParticleCounts.counted([1e-6, 10e-6], [1e10, 1e8])
+    >>> dust = leak.ParticleCounts.of_counts([1e-6, 10e-6], [1e10, 1e8])
     >>> found = leak.stopped(dust, [1.999e-6, 2.001e-6], [1.0, 0.0])
     >>> f"{found.likely[0]:.2e}"
     '2.50e+09'

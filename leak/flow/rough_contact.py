@@ -38,7 +38,7 @@ from leak.theory.plasticity import (
     AreaFractions,
     PlasticRoughness,
     Reading,
-    RoughnessSeen,
+    Roughness,
     area_fractions,
     equivalent_pressure,
     remaining_fraction,
@@ -228,7 +228,7 @@ class RoughContact:
 
     def equivalent_pressure(self, pressure: ArrayLike) -> FloatArray:
         """Nominal pressure at which the theory is asked for the gaps: that of `equivalent_elastic_surface` [Pa]."""
-        p = self._elastic_pressure(_checked(pressure))
+        p = self._elastic_pressure(_checked_pressure(pressure))
         if self.theory == "paper":
             return p
         # where no gap is left the pressure has no end
@@ -301,8 +301,8 @@ class RoughContact:
             Between both, of the broadcast shape [Pa]; `pressure` where nothing larger was carried, where it is zero,
             and for elastic asperities; the largest one from the hardness on.
         """
-        p = _checked(pressure)
-        p, top = np.broadcast_arrays(p, np.maximum(p, _checked(largest)))
+        p = _checked_pressure(pressure)
+        p, top = np.broadcast_arrays(p, np.maximum(p, _checked_pressure(largest)))
         result = np.array(p)
         if self.hardness is None:
             return result
@@ -366,7 +366,7 @@ class RoughContact:
         Within 6 % of direct numerical results for elastic asperities, where `contact_area` is 15 to 30 % below. Zero at
         p = 0, one from the hardness on.
         """
-        p = _checked(pressure)
+        p = _checked_pressure(pressure)
         most = math.inf if self.hardness is None else self.hardness * (1.0 - 1e-9)
         acts = self._elastic_pressure(np.minimum(p, most)).ravel()
         area = self._corrected_area(acts, self._roughness_at(acts)).reshape(p.shape)
@@ -384,7 +384,7 @@ class RoughContact:
         if self.hardness is not None:
             return area_fractions(*self._yield_variables(pressure, wavenumber))
         moment = self._slope_moment(wavenumber)
-        elastic = relative_contact_area(_checked(pressure), moment, self.effective_modulus)
+        elastic = relative_contact_area(_checked_pressure(pressure), moment, self.effective_modulus)
         return AreaFractions(elastic, 0.0 * elastic, 1.0 - elastic)
 
     def _yield_variables(
@@ -393,7 +393,7 @@ class RoughContact:
         """s = p/sigma_P and t = G/sigma_P^2."""
         assert self.hardness is not None  # of all who ask
         t = 0.25 * np.pi * (self.effective_modulus / self.hardness) ** 2 * self._slope_moment(wavenumber)
-        return _checked(pressure) / self.hardness, t
+        return _checked_pressure(pressure) / self.hardness, t
 
     def _slope_moment(self, wavenumber: ArrayLike | None) -> FloatArray:
         return self.spectrum.slope_moment(self.spectrum.q_high if wavenumber is None else wavenumber)
@@ -441,8 +441,8 @@ class RoughContact:
             See `effective_separation`.
         """
 
-        def mean(p: FloatArray, seen: RoughnessSeen) -> FloatArray:
-            return self._mean(p, seen).mean[:, 0]
+        def mean(p: FloatArray, roughness: Roughness) -> FloatArray:
+            return self._mean(p, roughness).mean[:, 0]
 
         return self._over_pressure(pressure, mean, largest)
 
@@ -503,10 +503,10 @@ class RoughContact:
         equivalent = self.equivalent_pressure(pressure)
         return self._lost_area(equivalent, self._roughness_at(equivalent), refinement)
 
-    def _lost_area(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> LostArea:
+    def _lost_area(self, p: FloatArray, roughness: Roughness, refinement: float) -> LostArea:
         relative = p / self.effective_modulus
         return lost_area(
-            self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
+            self.spectrum, roughness, relative, self.gamma, self.separation_width, refinement=refinement
         )
 
     # ---------------------------------------------------------------- flow
@@ -613,7 +613,7 @@ class RoughContact:
         """
         if not self.knows_deviation:
             raise ConductivityError(f"theory = {self.theory!r}: only 'corrected' knows its own error")
-        p = _checked(pressure)
+        p = _checked_pressure(pressure)
         relative = p / (self.effective_modulus * self.spectrum.rms_slope)
         area = np.asarray(self.corrected_contact_area(p))
         if self.hardness is None:
@@ -691,27 +691,27 @@ class RoughContact:
 
     # ---------------------------------------------------------------- inside
 
-    def _roughness_at(self, p: FloatArray) -> RoughnessSeen:
+    def _roughness_at(self, p: FloatArray) -> Roughness:
         if self.hardness is None or not self.smoothed:
-            return RoughnessSeen(self.spectrum.last_moment)
+            return Roughness(self.spectrum.last_moment)
         return PlasticRoughness.at(
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
         )
 
-    def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
+    def _mean(self, p: FloatArray, roughness: Roughness) -> Separations:
         """Separations at the magnification where no roughness is seen yet."""
         relative = p / self.effective_modulus
-        return separations(self.spectrum, seen, relative, np.zeros((1, 1)), self.gamma, refinement=3.0)
+        return separations(self.spectrum, roughness, relative, np.zeros((1, 1)), self.gamma, refinement=3.0)
 
     def _over_pressure(
         self,
         pressure: ArrayLike,
-        function: Callable[[FloatArray, RoughnessSeen], FloatArray],
+        function: Callable[[FloatArray, Roughness], FloatArray],
         largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
         p = (
-            _checked(pressure)
+            _checked_pressure(pressure)
             if largest is None
             else self.equivalent_first_loading_pressure(pressure, largest)
         )
@@ -745,21 +745,22 @@ class RoughContact:
                 f"method = {method!r} with peklenik = {self.peklenik}: {why} has no direction; use 'bruggeman'"
             )
 
-    def _effective_separation(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
-        lost, aspect = self._channels(p, seen, refinement)
+    def _effective_separation(self, p: FloatArray, roughness: Roughness, refinement: float) -> FloatArray:
+        lost, aspect = self._channels(p, roughness, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         return medium.effective_gap(lost, self.spectrum.rms_height, n, aspect, refinement=refinement)
 
     def _channels(
-        self, p: FloatArray, seen: RoughnessSeen, refinement: float
+        self, p: FloatArray, roughness: Roughness, refinement: float
     ) -> tuple[LostArea, float | FloatArray]:
         """Area lost and aspect of the inclusions of the effective medium, at acting pressures."""
         if self.peklenik == 1.0:
-            return self._lost_area(p, seen, refinement), 1.0
-        area = relative_contact_area(p, moment_of_all(seen, p.size), self.effective_modulus)
+            return self._lost_area(p, roughness, refinement), 1.0
+        area = relative_contact_area(p, moment_of_all(roughness, p.size), self.effective_modulus)
         share = area / self.percolation_threshold
         factor = self._touching_pressure(share)
-        return self._lost_area(p * factor, seen, refinement), medium.inclusion_aspect(self.peklenik, share)
+        aspect = medium.inclusion_aspect(self.peklenik, share)
+        return self._lost_area(p * factor, roughness, refinement), aspect
 
     def _touching_pressure(self, share: FloatArray) -> FloatArray:
         of_theory = (
@@ -767,20 +768,21 @@ class RoughContact:
         )
         return of_theory(self.peklenik, share)
 
-    def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
-        lost = self._lost_area(p, seen, refinement)
+    def _near_threshold(self, p: FloatArray, roughness: Roughness, refinement: float) -> FloatArray:
+        lost = self._lost_area(p, roughness, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         u = medium.effective_gap(lost, self.spectrum.rms_height, n, refinement=refinement)
-        mean = self._mean(p, seen).mean[:, 0]
-        return medium.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
+        mean = self._mean(p, roughness).mean[:, 0]
+        return medium.near_threshold(u, mean, self._corrected_area(p, roughness), self.percolation_threshold)
 
-    def _corrected_area(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
+    def _corrected_area(self, p: FloatArray, roughness: Roughness) -> FloatArray:
         """Corrected A/A0 of the roughness that is seen, at acting pressures, shape (P,)."""
-        return medium.corrected_area(area_argument(p / self.effective_modulus, moment_of_all(seen, p.size)))
+        moment = moment_of_all(roughness, p.size)
+        return medium.corrected_area(area_argument(p / self.effective_modulus, moment))
 
-    def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
+    def _critical_separation(self, p: FloatArray, roughness: Roughness) -> FloatArray:
         relative = p / self.effective_modulus
-        return medium.critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
+        return medium.critical_gap(self.spectrum, roughness, relative, self.gamma, self.percolation_threshold)
 
 
 class _OfEqualGap(RoughContact):
@@ -886,7 +888,7 @@ class _Range:
 
     sealing_pressure: float
     fine: FloatArray
-    below: FloatArray
+    log_pressure_below: FloatArray
     method: str
     end: float
 
@@ -916,7 +918,7 @@ class _Range:
         steps = 0.5 * (density[1:] + density[:-1]) * np.diff(self._abscissa)
         sums = np.concatenate([[0.0], np.cumsum(steps)])
         in_range = np.interp(np.linspace(0.0, sums[-1], num), sums, self.fine)
-        return np.concatenate([self.below[::-2][::-1], in_range])
+        return np.concatenate([self.log_pressure_below[::-2][::-1], in_range])
 
     def adapt_pressures(
         self, values: Callable[[FloatArray], FloatArray], length: float
@@ -930,11 +932,11 @@ class _Range:
         length : float
             Below it u_eff is interpolated as its logarithm [m].
         """
-        x = np.concatenate([self.below, self.fine])
+        x = np.concatenate([self.log_pressure_below, self.fine])
         abscissa = flow.table_abscissa(x, np.log(self.sealing_pressure), self.method)
         start = np.concatenate(
             [
-                abscissa[: self.below.size][_FIRST_BELOW],
+                abscissa[: self.log_pressure_below.size][_FIRST_BELOW],
                 np.linspace(self._abscissa[0], self._abscissa[-1], _FIRST_INSIDE),
             ]
         )
@@ -1102,7 +1104,7 @@ def _toward_hardness(surface: RoughContact, log_pressure: FloatArray) -> FloatAr
     return np.concatenate([log_pressure[log_pressure < near_hardness[0] - 0.5 * _LAW_SPACING], near_hardness])
 
 
-def _checked(pressure: ArrayLike) -> FloatArray:
+def _checked_pressure(pressure: ArrayLike) -> FloatArray:
     p = np.asarray(pressure, dtype=float)
     is_bad = ~(np.isfinite(p) & (p >= 0.0))
     if np.any(is_bad):

@@ -368,7 +368,7 @@ def flow_along(
     """
     modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
     grooves = _checked_grooves(scratches)
-    contact, deeper = _Contact.through(profile, permeant).split(grooves, modulus)
+    contact, deeper = _Contact.through(profile, permeant).divide(grooves, modulus)
     peak = int(np.argmax(p))
     if permeant.conductivity is None:
         gap = max(float(groove.section.open_depth(p[peak], modulus)) for groove in grooves)
@@ -493,7 +493,7 @@ class _Contact:
     @classmethod
     def through(cls, profile: ContactProfile, permeant: Permeant) -> _Contact:
         """Slices of a profile; without roughness only between its points, where a groove would have no end."""
-        profile = profile.refined(_CELLS)
+        profile = profile.with_cells(_CELLS)
         inner, cells, outer = profile.panels
         if permeant.conductivity is None:
             inner = outer = None
@@ -526,7 +526,7 @@ class _Contact:
         count = np.concatenate([[0], np.cumsum(resists)])
         return self._of(np.flatnonzero(resists), self.length[resists], count[self.nodes])
 
-    def split(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[BoolArray, ...]]:
+    def divide(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[BoolArray, ...]]:
         """Slices, and for each groove where it is deeper than the rough gap is wide, shape (n,).
 
         Slices are cut in two where that begins or ends: no bound jumps as a groove becomes deeper.

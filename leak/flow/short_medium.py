@@ -151,7 +151,7 @@ class _Piece:
         top = log_pressure.max()
         touches = log_pressure > top + math.log(_FAINT)
         log_p = np.append(log_pressure[touches], top + np.log(_CUTS))
-        area, log_p = _contact_area(surface, log_p), table.asked(log_p)
+        area, log_p = _contact_area(surface, log_p), table.table_log_p(log_p)
         end = -len(_CUTS)
         at_cuts = np.array([log_p[end:], area[end:]])
         return cls(surface, table, log_p[:end], area[:end], length[touches], at_cuts)
@@ -298,7 +298,7 @@ def with_threshold(table: ConductivityTable, endless: float, threshold: float) -
         Thresholds of the table and of the one that is wanted [-].
     """
     open_table, ratio = _with_threshold(table, endless, threshold), _argument(endless, threshold)
-    return replace(open_table, p_max=table.p_max * ratio, memory=table.memory, acting=table.acting)
+    return replace(open_table, p_max=table.p_max * ratio, memory=table.memory, acts_at=table.acts_at)
 
 
 def _with_threshold(table: ConductivityTable, endless: float, threshold: float) -> ConductivityTable:
@@ -306,7 +306,7 @@ def _with_threshold(table: ConductivityTable, endless: float, threshold: float) 
     steps = (math.log1p(-endless) - math.log1p(-threshold)) / _SPACING
     begin = math.floor(steps) - 1
     sealing_pressure = table.sealing_pressure * _argument(endless, threshold)
-    return _open_table(table, endless, begin).between(lagrange(steps - begin), sealing_pressure)
+    return _open_table(table, endless, begin).combine(lagrange(steps - begin), sealing_pressure)
 
 
 def _argument(endless: float, threshold: float) -> float:

@@ -71,7 +71,7 @@ class ParticleCounts:
     Examples
     --------
     >>> import leak
-    >>> dust = leak.ParticleCounts.counted([2e-6, 10e-6], [5e9, 1e8])
+    >>> dust = leak.ParticleCounts.of_counts([2e-6, 10e-6], [5e9, 1e8])
     >>> [f"{number:.3g}" for number in dust.at_least([1e-6, 4e-6, 20e-6]).likely]
     ['2.7e+10', '9.27e+08', '1.85e+07']
     """
@@ -99,7 +99,7 @@ class ParticleCounts:
             raise FluidError(f"largest = {self.largest}: must be positive [m]")
 
     @classmethod
-    def counted(cls, sizes: ArrayLike, counts: ArrayLike, largest: float = np.inf) -> ParticleCounts:
+    def of_counts(cls, sizes: ArrayLike, counts: ArrayLike, largest: float = np.inf) -> ParticleCounts:
         """Counts without an interval.
 
         Parameters

@@ -156,7 +156,7 @@ class GasPotential:
         return ideal if self.real is None else self._over_ideal[1].value(ideal)
 
     @cached_property
-    def whole(self) -> float:
+    def at_highest(self) -> float:
         """w at the highest pressure [Pa^2]."""
         return float(self(self.highest))
 
@@ -470,7 +470,7 @@ class FlowPotential:
         if self.law is None:
             return target
         inverse, exact = self._panels
-        psi, at, whole = inverse.x, inverse.y, self.whole
+        psi, at, whole = inverse.x, inverse.y, self.at_highest
         inside = np.minimum(np.maximum(target, 0.0), whole)
         p = np.minimum(np.maximum(inverse.value(inside), 0.0), self.highest)
         if not exact:
@@ -504,7 +504,7 @@ class FlowPotential:
             return _panels.__wrapped__(self.law, highest)
 
     @cached_property
-    def whole(self) -> float:
+    def at_highest(self) -> float:
         """psi at the highest pressure [Pa]."""
         return float(self(self.highest))
 
@@ -548,7 +548,7 @@ def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> 
     '1.5820'
     """
     drop = positive(FluidError, "pressure_drop", pressure_drop, "Pa")
-    return drop / FlowPotential(law, drop).whole
+    return drop / FlowPotential(law, drop).at_highest
 
 
 # -------------------------------------------------------------------- tables

@@ -192,13 +192,13 @@ class MonotoneCurve:
         h = self.x[k + 1] - self.x[k]
         inside = np.clip(sign * y, sign * self.y[0], sign * self.y[-1]) * sign
 
-        def rising(t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def excess(t: FloatArray) -> tuple[FloatArray, FloatArray]:
             value, slope = self._cell(k, h * t)
             return sign * (value - inside), sign * (slope * h)
 
         guess = (inside - self.y[k]) / (self.y[k + 1] - self.y[k])
         # in about 6 steps, and more in cells in which one end is almost flat
-        t = newton_between(rising, guess, np.zeros(y.shape), np.ones(y.shape), 1e-14)
+        t = newton_between(excess, guess, np.zeros(y.shape), np.ones(y.shape), 1e-14)
         x = self.x[k] + h * t
         end = np.where(sign * y > sign * self.y[-1], -1, 0)
         return x + (y - inside) / self.slope[end]

@@ -42,13 +42,13 @@ Nodes = tuple[FloatArray, FloatArray]
 class Estimate:
     """What the scans of a surface say about C(q), and what it was taken from.
 
-    `measured` and `continued` are C(q) at nodes, within the reliable range and with the ends that the
-    settings ask for; `log_error` is the standard deviation of ln C at the nodes of `measured`. All else has an entry
+    `measured_nodes` and `continued_nodes` are C(q) at nodes, within the reliable range and with the ends that the
+    settings ask for; `log_error` is the standard deviation of ln C at the measured ones. All else has an entry
     for each scan: its spikes, its heights without form, their waves, range and variance [m^2].
     """
 
-    measured: Nodes
-    continued: Nodes
+    measured_nodes: Nodes
+    continued_nodes: Nodes
     log_error: FloatArray
     rolloff: RollOff
     outliers: tuple[FoundOutliers, ...]

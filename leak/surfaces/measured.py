@@ -141,10 +141,10 @@ def measure(
     lay = anisotropy(waves, found.ranges)
     finest = max(found.ranges, key=lambda one: one.q_high)
     height_above = float(np.average(above, weights=found.variances))
-    measured = PowerSpectrum(*found.measured)
-    cut = found.continued is found.measured
+    measured = PowerSpectrum(*found.measured_nodes)
+    cut = found.continued_nodes is found.measured_nodes
     return MeasuredSurface(
-        spectrum=measured if cut else PowerSpectrum(*found.continued),
+        spectrum=measured if cut else PowerSpectrum(*found.continued_nodes),
         measured=measured,
         log_error=found.log_error,
         rms_height=float(np.sqrt(found.variances.mean())),

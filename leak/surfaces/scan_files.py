@@ -252,7 +252,7 @@ def _stated_unit(table: TextTable, column: int) -> float | None:
 
 
 def _stated_tip_radius(table: TextTable) -> float | None:
-    for _, line in table.above:
+    for _, line in table.lines_above:
         found = _TIP.search(line[:_LONGEST_LINE])
         if found and float(found[1]) > 0.0:
             return float(found[1]) * LENGTH_UNITS[found[2].lower()]

@@ -181,7 +181,7 @@ class PowerSpectrum:
         from leak.surfaces.scans import ScanSettings, line_scan
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
-        return cls(*estimate((line_scan(x, h),), settings).continued)
+        return cls(*estimate((line_scan(x, h),), settings).continued_nodes)
 
     @classmethod
     def from_file(
@@ -216,7 +216,7 @@ class PowerSpectrum:
         from leak.surfaces.scans import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
-        return cls(*estimate(read_topographies(path, unit=unit), settings).continued)
+        return cls(*estimate(read_topographies(path, unit=unit), settings).continued_nodes)
 
     # ---------------------------------------------------------------- values
 

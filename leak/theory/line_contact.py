@@ -322,7 +322,7 @@ def _log_N(share: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
             - half * (2.0 / (1.0 + np.exp(np.minimum(2.0 * tau, 700.0))))
         )
 
-    def rising(w: FloatArray) -> BoolArray:
+    def is_rising(w: FloatArray) -> BoolArray:
         tau = np.exp(w)
         k = np.tanh(tau)
         sech2 = 1.0 / np.cosh(np.minimum(tau, 300.0)) ** 2
@@ -330,7 +330,7 @@ def _log_N(share: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     outer = np.log(60.0 / np.minimum(c, 1.0))
     low, high = np.full(half.shape, -100.0), np.maximum(outer, 6.0) + 0.0 * half
-    peak = _bisect(rising, low, high)
+    peak = _bisect(is_rising, low, high)
     floor = log_integrand(peak) - _DROP
     left = _bisect(lambda w: log_integrand(w) < floor, low, peak)
     right = _bisect(lambda w: log_integrand(w) > floor, peak, high)

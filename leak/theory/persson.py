@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray, IntArray
 from leak.numerics.integrals import gauss, sorted_unique
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.plasticity import RoughnessSeen
+from leak.theory.plasticity import Roughness
 
 # F beyond this x is below 1e-18 of any value that matters.
 KERNEL_END = 6.5
@@ -121,9 +121,9 @@ _LOWEST_LOG, _NOTHING = -300.0, 1e-300
 FULL_CONTACT = 6.0
 
 
-def moment_of_all(seen: RoughnessSeen, pressures: int) -> FloatArray:
+def moment_of_all(roughness: Roughness, pressures: int) -> FloatArray:
     """Slope moment of all the roughness that is seen at so many pressures, shape (pressures,) [-]."""
-    return seen.moment(np.full((pressures, 1), seen.end))[:, 0]
+    return roughness.moment(np.full((pressures, 1), roughness.end))[:, 0]
 
 
 # -------------------------------------------------------------------- contact area
@@ -179,7 +179,7 @@ class Separations(NamedTuple):
     """Mean separation ubar outside the contact seen at this magnification [m]."""
     decay: FloatArray
     """-d ubar/d ln p at fixed magnification and contact area [m]."""
-    lost: FloatArray
+    lost_separation: FloatArray
     """u1 = d(ubar A)/dA, separation where contact is lost just above this magnification [m]."""
     area: FloatArray
     """A/A0 at this magnification [-]."""
@@ -187,7 +187,7 @@ class Separations(NamedTuple):
 
 def separations(
     spectrum: PowerSpectrum,
-    seen: RoughnessSeen,
+    roughness: Roughness,
     relative_pressure: FloatArray,
     M: FloatArray,
     gamma: float,
@@ -204,7 +204,7 @@ def separations(
     ----------
     spectrum : PowerSpectrum
         Roughness before plastic deformation.
-    seen : RoughnessSeen
+    roughness : Roughness
         What of it remains at each pressure.
     relative_pressure : ndarray
         p/E*, shape (P,), positive [-].
@@ -220,15 +220,15 @@ def separations(
     ----------
     C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214 (2008).
     """
-    remaining = seen.moment(M)
+    remaining = roughness.moment(M)
     z = area_argument(relative_pressure[:, None], remaining)
     A = erf(z)
     log_a = np.log(relative_pressure[:, None] / (np.sqrt(np.pi) * A))
-    parts = _parts(spectrum, seen.kappa, seen.end)
+    parts = _parts(spectrum, roughness.kappa, roughness.end)
     log_v, weight, piece = _steps(spectrum, parts, M, log_a, refinement)
     v2 = np.exp(2.0 * log_v)
     log_q, log_C = _point(spectrum, piece, M[..., None] + v2)
-    above = seen.moments_above(M[..., None])
+    above = roughness.moments_above(M[..., None])
     y2, factor = above(v2)
     elastic = y2 is v2
     log_y = log_v if elastic else 0.5 * np.log(np.maximum(y2, _NOTHING))
@@ -238,7 +238,7 @@ def separations(
     tail = np.vecdot(F, np.exp(-4.0 * log_q - log_C))
     mean, decay = np.vecdot(F, factor), np.vecdot(f, factor)
     # (A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form
-    to_end = np.sqrt(np.maximum(above((seen.end - M)[..., None])[0][..., 0], _NOTHING))
+    to_end = np.sqrt(np.maximum(above((roughness.end - M)[..., None])[0][..., 0], _NOTHING))
     beyond = kernel(gamma)(log_a - np.log(to_end))[0] / (to_end * np.exp(parts.log_wavenumber[-1]))
     z = np.minimum(z, FULL_CONTACT)
     per_moment = A * np.sqrt(np.pi) * remaining * np.exp(z**2) / z
@@ -253,7 +253,7 @@ class _Parts(NamedTuple):
     """Where integrals over magnification are split: the spectrum kinks, or plastic smoothing sets in or ends."""
 
     kappa: float
-    """See `RoughnessSeen`."""
+    """See `Roughness`."""
     ends: FloatArray
     """Elastic moments at the end of each part, shape (n,)."""
     log_wavenumber: FloatArray

@@ -247,7 +247,7 @@ def _mode_sum(s: FloatArray, t: FloatArray, sign: float) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class RoughnessSeen:
+class Roughness:
     """The slope moments of a surface at given pressures, as a function of the elastic moment M.
 
     Arrays start with the axis of the pressures. These are those of an elastic surface, the same at every pressure;
@@ -276,13 +276,13 @@ class RoughnessSeen:
         """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
         return lambda rise: (rise, np.ones(rise.shape[-1:]))
 
-    def at_some(self, pressures: IntArray) -> RoughnessSeen:
+    def at_some(self, pressures: IntArray) -> Roughness:
         """The same at some of the pressures, given by their numbers."""
         return self
 
 
 @dataclass(frozen=True)
-class PlasticRoughness(RoughnessSeen):
+class PlasticRoughness(Roughness):
     """Slope moments of C_pl at given pressures.
 
     R(t) = int_t^inf C_pl/C dt' is tabulated over ln t for each pressure: counted from its far end, the moment that
@@ -293,7 +293,7 @@ class PlasticRoughness(RoughnessSeen):
     """Up to this t nothing has yielded, shape (P,)."""
     step_log_t: FloatArray
     """Spacing of the table in ln t, shape (P,)."""
-    rest: FloatArray
+    remainder: FloatArray
     """R in the cells of the table: coefficients of the powers 0 to 3 of the place in each, shape (4, P (N - 1))."""
 
     @classmethod
@@ -326,7 +326,7 @@ class PlasticRoughness(RoughnessSeen):
         t = self.kappa * M
         start = _lead(self.start_t, M.ndim)
         rest, _ = self._remainder(np.maximum(t, start))
-        whole = start + _lead(self.rest[0].reshape(self.start_t.size, -1)[:, 0], M.ndim)
+        whole = start + _lead(self.remainder[0].reshape(self.start_t.size, -1)[:, 0], M.ndim)
         return np.where(t <= start, M, (whole - rest) / self.kappa)
 
     def factor(self, M: FloatArray) -> FloatArray:
@@ -352,9 +352,9 @@ class PlasticRoughness(RoughnessSeen):
         """The same at some of the pressures, given by their numbers."""
         if pressures.size == self.start_t.size:
             return self
-        rest = self.rest.reshape(4, self.start_t.size, -1)[:, pressures].reshape(4, -1)
+        rest = self.remainder.reshape(4, self.start_t.size, -1)[:, pressures].reshape(4, -1)
         return replace(
-            self, start_t=self.start_t[pressures], step_log_t=self.step_log_t[pressures], rest=rest
+            self, start_t=self.start_t[pressures], step_log_t=self.step_log_t[pressures], remainder=rest
         )
 
     def _remainder(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -365,7 +365,7 @@ class PlasticRoughness(RoughnessSeen):
         cell = np.minimum(place, cells - 1.0).astype(np.intp)
         x = np.minimum(place - cell, 1.0)
         cell += cells * np.arange(self.start_t.size).reshape(-1, *(1,) * (t.ndim - 1))
-        c0, c1, c2, c3 = (coefficients.take(cell) for coefficients in self.rest)
+        c0, c1, c2, c3 = (coefficients.take(cell) for coefficients in self.remainder)
         cubic = c3 * x
         rest = ((cubic + c2) * x + c1) * x + c0
         # -t C_pl/C = dR/dlnt
@@ -385,9 +385,9 @@ def remaining_moment(stress_ratio: float, kappa: float, end: float) -> float:
 
     Examples
     --------
-    >>> seen = PlasticRoughness.at(np.array([0.3]), 1e11, 3e9, end=0.01)
-    >>> alone = remaining_moment(0.3, seen.kappa, 0.01)
-    >>> bool(abs(alone / seen.moment(np.array([[seen.end]]))[0, 0] - 1.0) < 1e-9)
+    >>> roughness = PlasticRoughness.at(np.array([0.3]), 1e11, 3e9, end=0.01)
+    >>> alone = remaining_moment(0.3, roughness.kappa, 0.01)
+    >>> bool(abs(alone / roughness.moment(np.array([[roughness.end]]))[0, 0] - 1.0) < 1e-9)
     True
     """
     start, last = T_START * (1.0 - stress_ratio) ** 2, min(kappa * end, T_END)
@@ -438,7 +438,7 @@ class YieldingConstants(NamedTuple):
     """How fast the spring-back of unloading is lost with the excess of p_eq over p."""
     bend: float = 0.22
     """r, the power of p/p_max in the spring-back."""
-    few: float = 0.02
+    small_excess: float = 0.02
     """Excess from which on yielding bends the spring-back."""
 
 
@@ -542,7 +542,7 @@ def _spring_back(log_x: FloatArray, factor: FloatArray, constants: YieldingConst
     """-ln(p_eq/p_eq(p_max)) at ln(p/p_max); `factor` is p_eq(p_max)/p_max."""
     excess = np.minimum(factor - 1.0, 1e12)
     start = 1.0 / (1.0 + constants.spring * excess)
-    power = constants.bend * excess / (excess + constants.few)
+    power = constants.bend * excess / (excess + constants.small_excess)
     straight = power < 1e-9
     r = np.where(straight, 1.0, power)
     return np.asarray(start * np.where(straight, -log_x, -np.expm1(r * log_x) / r))

@@ -12,7 +12,7 @@ from leak.arrays import FloatArray, IntArray
 from leak.numerics.integrals import gauss, integrals_up_to_nodes
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import FULL_CONTACT, area_argument, moment_of_all, separations
-from leak.theory.plasticity import RoughnessSeen
+from leak.theory.plasticity import Roughness
 
 # The first magnifications are taken in ln M, so that any small pressure is resolved: up to this step in ln q from
 # q_low, this fraction of the whole moment, and before anything yields.
@@ -72,10 +72,10 @@ class LostArea(NamedTuple):
 
 
 def magnification_nodes(
-    spectrum: PowerSpectrum, seen: RoughnessSeen, relative_pressure: FloatArray, *, refinement: float = 1.0
+    spectrum: PowerSpectrum, roughness: Roughness, relative_pressure: FloatArray, *, refinement: float = 1.0
 ) -> MagnificationNodes:
     """Quadrature over magnification, from where the first contact is lost to where the last is."""
-    first, upper = _panels(spectrum, seen.last_loss, seen.kappa, refinement)
+    first, upper = _panels(spectrum, roughness.last_loss, roughness.kappa, refinement)
     # For pressures whose first loss lies above the first panel, the range of the p-dependent nodes is empty.
     top = np.log(first)
     bottom = np.minimum(2.0 * np.log(relative_pressure) - np.log(np.pi * FULL_CONTACT**2), top)
@@ -87,13 +87,13 @@ def magnification_nodes(
     weight = M * length[:, None] * (0.5 * _FIRST_PANELS[:, None] * w).ravel()
     q = np.exp(spectrum.at_slope_moment(M).log_wavenumber)
 
-    def both(lower: FloatArray, upper: FloatArray) -> FloatArray:
+    def join(lower: FloatArray, upper: FloatArray) -> FloatArray:
         return np.concatenate([lower, np.broadcast_to(upper, (M.shape[0], upper.size))], axis=1)
 
     count = u.size
     groups = (slice(0, count), *(slice(g.start + count, g.stop + count) for g in upper.groups))
     return MagnificationNodes(
-        both(M, upper.M), both(q, upper.wavenumber), both(weight, upper.moment_weight), groups, upper.to_end
+        join(M, upper.M), join(q, upper.wavenumber), join(weight, upper.moment_weight), groups, upper.to_end
     )
 
 
@@ -191,7 +191,7 @@ def _integral_to_end(sizes: list[int]) -> FloatArray:
 
 def lost_area(
     spectrum: PowerSpectrum,
-    seen: RoughnessSeen,
+    roughness: Roughness,
     relative_pressure: FloatArray,
     gamma: float,
     separation_width: str,
@@ -204,8 +204,8 @@ def lost_area(
     31, 159 (2010)) and 1/h^2 = 1/h_rms^2(zeta) + 1/u1^2 for "effective" (Dapp et al., Phys. Rev. Lett. 108, 244301
     (2012)).
     """
-    nodes = magnification_nodes(spectrum, seen, relative_pressure, refinement=refinement)
-    factor, remaining = seen.factor(nodes.M), seen.moment(nodes.M)
+    nodes = magnification_nodes(spectrum, roughness, relative_pressure, refinement=refinement)
+    factor, remaining = roughness.factor(nodes.M), roughness.moment(nodes.M)
     z = area_argument(relative_pressure[:, None], remaining)
     falling = np.where(z < FULL_CONTACT, z * np.exp(-(np.minimum(z, FULL_CONTACT) ** 2)), 0.0)
     weight = nodes.moment_weight * factor * falling / (np.sqrt(np.pi) * remaining)
@@ -215,8 +215,8 @@ def lost_area(
         rows = np.flatnonzero((weight[:, group] > _LEAST_WEIGHT).any(axis=1))
         if rows.size:
             p, M = relative_pressure[rows], nodes.M[rows, group]
-            found = separations(spectrum, seen.at_some(rows), p, M, gamma, refinement=refinement)
-            lost[rows, group] = found.lost
+            found = separations(spectrum, roughness.at_some(rows), p, M, gamma, refinement=refinement)
+            lost[rows, group] = found.lost_separation
     variance = _height_variance_above(spectrum, nodes, factor)
     if separation_width == "effective":
         variance = variance * lost**2 / np.maximum(variance + lost**2, 1e-300)
@@ -225,7 +225,7 @@ def lost_area(
     # At the end of the spectrum u1 and h vanish together; the floor keeps the Gaussian a function.
     width = np.maximum(np.sqrt(variance), _SMALLEST_WIDTH * spectrum.rms_height)
     return LostArea(
-        weight, lost, width, erf(area_argument(relative_pressure, moment_of_all(seen, len(weight))))
+        weight, lost, width, erf(area_argument(relative_pressure, moment_of_all(roughness, len(weight))))
     )
 
 

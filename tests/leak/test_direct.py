@@ -393,8 +393,8 @@ def test_patch_holds_the_waves_it_says():
     assert power[held] == pytest.approx(np.asarray(paper()(q[held])) * (2.0 * np.pi / size) ** 2, rel=1e-9)
     assert patch.shortest_wavelength == pytest.approx(4.0 * size / n)
     # the sum over the waves of the grid is the integral over the spectrum, up to the coarse ring of the first ones
-    assert h.std() == pytest.approx(patch.held.rms_height, rel=0.02)
-    assert patch.height_cut == pytest.approx(1.0 - (patch.held.rms_height / 1.9e-6) ** 2, rel=1e-12)
+    assert h.std() == pytest.approx(patch.grid_spectrum.rms_height, rel=0.02)
+    assert patch.height_cut == pytest.approx(1.0 - (patch.grid_spectrum.rms_height / 1.9e-6) ** 2, rel=1e-12)
     assert 0.0 < patch.height_cut < 0.15
     assert patch.slope_cut > 0.8
 

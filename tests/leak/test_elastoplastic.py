@@ -37,7 +37,7 @@ def mises(state):
 
 def volume(state, sign):
     """That plastic strain has raised (1) or lowered (-1) the surface by, over the area of the cell."""
-    return float(np.maximum(sign * state.raised, 0.0).mean())
+    return float(np.maximum(sign * state.plastic_displacement, 0.0).mean())
 
 
 # ---------------------------------------------------------------- elastic half-space
@@ -230,7 +230,7 @@ def test_pressure_balances_and_the_gap_is_what_the_surfaces_leave(pressed):
     for p, state in zip(path, states, strict=True):
         assert state.pressure.mean() == pytest.approx(p, rel=1e-9)
         assert state.pressure.min() >= 0.0
-        rest = state.gap - (body.displacement(state.pressure) - h - state.raised)
+        rest = state.gap - (body.displacement(state.pressure) - h - state.plastic_displacement)
         assert np.ptp(rest) < 3e-3 * h.std()
         assert not np.any((state.gap > 0.0) & (state.pressure > 0.0))
 
@@ -256,7 +256,7 @@ def test_metal_is_flattened_and_part_of_it_raised(pressed):
     assert 0.3 < share < 0.8
     # where the surface touches it is lowered most
     touching = states[3].pressure > 0.0
-    assert states[3].raised[touching].mean() < states[3].raised[~touching].mean()
+    assert states[3].plastic_displacement[touching].mean() < states[3].plastic_displacement[~touching].mean()
     assert states[3].contact.overlap.max() == 0.0
 
 
@@ -284,7 +284,7 @@ def test_only_ratios_matter():
     )
     for one, two in zip(unit, other, strict=True):
         assert two.gap / a == pytest.approx(one.gap, abs=1e-6)
-        assert two.raised / a == pytest.approx(one.raised, abs=1e-6)
+        assert two.plastic_displacement / a == pytest.approx(one.plastic_displacement, abs=1e-6)
         assert volume(two, -1) / a == pytest.approx(volume(one, -1), rel=1e-4)
 
 

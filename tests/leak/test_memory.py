@@ -116,7 +116,7 @@ def test_pressed_flat_it_stays_shut(yielding: str) -> None:
     assert rough(yielding).effective_separation(1e6, largest=1.01 * HARDNESS) == 0.0
     found = first_loading(yielding, 1e6, 1.01 * HARDNESS)
     # a table of the elastic surface of equal gaps is asked at the pressure that acts on that one
-    assert table(yielding).asked(np.log(found)) > np.log(table(yielding).sealing_pressure)
+    assert table(yielding).table_log_p(np.log(found)) > np.log(table(yielding).sealing_pressure)
     assert table(yielding).effective_separation(found) == 0.0
     wide = rough(yielding).conductivity_table(1e2, HARDNESS).at(ETA)
     p, earlier = gaussian(5e7), gaussian(1.1 * HARDNESS)

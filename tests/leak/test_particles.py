@@ -80,12 +80,12 @@ def test_a_wrong_code_is_refused(code, says):
 )
 def test_wrong_counts_are_refused(sizes, counts, says):
     with pytest.raises(leak.FluidError, match=says):
-        leak.ParticleCounts.counted(sizes, counts)
+        leak.ParticleCounts.of_counts(sizes, counts)
 
 
 def test_a_power_law_is_continued_exactly():
     sizes = np.array([2e-6, 5e-6, 15e-6])
-    dust = leak.ParticleCounts.counted(sizes, 1e-7 * sizes**-2.8)
+    dust = leak.ParticleCounts.of_counts(sizes, 1e-7 * sizes**-2.8)
     d = np.geomspace(0.2e-6, 80e-6, 9)
     for numbers in dust.at_least(d):
         assert numbers == pytest.approx(1e-7 * d**-2.8, rel=1e-12)
@@ -119,7 +119,7 @@ def test_nothing_is_said_of_particles_far_below_those_that_were_counted():
 def test_a_filter_takes_the_larger_particles_from_all_counts():
     sizes = np.array([2e-6, 15e-6])
     dust, filtered = (
-        leak.ParticleCounts.counted(sizes, 1e-7 * sizes**-2.8, largest) for largest in (math.inf, 4e-6)
+        leak.ParticleCounts.of_counts(sizes, 1e-7 * sizes**-2.8, largest) for largest in (math.inf, 4e-6)
     )
     d = np.array([1e-6, 3e-6, 4e-6, 9e-6])
     left = dust.at_least(d).likely - dust.at_least(4e-6).likely
@@ -151,13 +151,13 @@ def test_two_gaps_of_which_one_is_shut_have_a_closed_form(threshold, contact):
     )
     open_ = np.roots(quadratic).max()
     shut = 1.0 - (contact + share) * n / k
-    assert gaps.remaining(1.5e-6)[0] == pytest.approx(shut / open_, rel=1e-9)
-    assert gaps.below(1.5e-6)[0] == pytest.approx(contact + share, rel=1e-12)
+    assert gaps.remaining_share(1.5e-6)[0] == pytest.approx(shut / open_, rel=1e-9)
+    assert gaps.area_below(1.5e-6)[0] == pytest.approx(contact + share, rel=1e-12)
 
 
 def test_shut_gaps_that_percolate_let_nothing_through():
     gaps = gaps_of([(1e-6, 0.45), (2e-6, 0.55)], 0.0, 0.42)
-    assert gaps.remaining(1.45e-6)[0] == 0.0
+    assert gaps.remaining_share(1.45e-6)[0] == 0.0
     # as soon as 42 of the 45 per cent are shut, which lie between zero and the middle between both gaps
     assert gaps.largest_passing[0] == pytest.approx(1.5e-6 * 0.42 / 0.45, rel=1e-12)
 
@@ -200,7 +200,7 @@ def test_a_lattice_of_random_bonds_loses_as_much_when_its_narrow_ones_are_blocke
     for over_largest, tolerance in ((0.3, 0.002), (0.5, 0.007), (0.7, 0.04), (0.85, 0.14)):
         size = over_largest * gaps.largest_passing[0]
         left = lattice_conductance(*(np.where(one > size, one, 0.0) ** 3 for one in u)) / whole
-        assert gaps.remaining(size)[0] == pytest.approx(left, rel=tolerance)
+        assert gaps.remaining_share(size)[0] == pytest.approx(left, rel=tolerance)
 
 
 @each_surface
@@ -211,7 +211,7 @@ def test_the_largest_particle_that_passes_is_the_quantile_at_the_threshold(surfa
         above = np.trapezoid(np.where(u >= largest, density, 0.0), u)
         # a step of the grid on which the density is summed here
         assert 1.0 - above == pytest.approx(surface.percolation_threshold, abs=5e-3)
-    assert np.all(gaps.remaining(float(1.001 * gaps.largest_passing.max())) == 0.0)
+    assert np.all(gaps.remaining_share(float(1.001 * gaps.largest_passing.max())) == 0.0)
     # the critical junction is another reading of the same place
     assert gaps.largest_passing == pytest.approx(surface.critical_separation(gaps.pressure), rel=0.2)
 
@@ -239,7 +239,7 @@ def test_the_shut_table_is_the_effective_medium_at_each_pressure(surface):
         shut = leak.shut_conductivity(table, surface, size)
         share = (np.asarray(shut.effective_separation(p)) / np.asarray(table.effective_separation(p))) ** 3
         # linear in steps of 0.15 in ln p, between which the share moves by some per cent
-        assert share == pytest.approx(gaps.remaining(size), abs=2e-3)
+        assert share == pytest.approx(gaps.remaining_share(size), abs=2e-3)
 
 
 def test_longer_and_higher_roughness_stops_larger_particles_in_proportion():
@@ -250,13 +250,13 @@ def test_longer_and_higher_roughness_stops_larger_particles_in_proportion():
     surface = leak.RoughContact(larger, effective_modulus=115e9, hardness=3.5e9)
     small, large = (leak.GapDistribution.of(one, [PEAK]) for one in (YIELDING, surface))
     assert large.largest_passing == pytest.approx(10 * small.largest_passing, rel=1e-6)
-    assert large.remaining(15e-6) == pytest.approx(small.remaining(1.5e-6), rel=1e-6)
+    assert large.remaining_share(15e-6) == pytest.approx(small.remaining_share(1.5e-6), rel=1e-6)
 
 
 def test_stiffness_and_pressure_count_only_in_proportion():
     softer = leak.RoughContact(SPECTRUM, effective_modulus=115e8, hardness=3.5e8)
     hard, soft = leak.GapDistribution.of(YIELDING, [PEAK]), leak.GapDistribution.of(softer, [0.1 * PEAK])
-    assert soft.remaining(1.5e-6) == pytest.approx(hard.remaining(1.5e-6), rel=1e-9)
+    assert soft.remaining_share(1.5e-6) == pytest.approx(hard.remaining_share(1.5e-6), rel=1e-9)
 
 
 def test_a_gas_loses_as_much_conductivity_as_a_liquid():
@@ -288,7 +288,7 @@ def test_particles_that_are_stopped_are_counted_where_the_leak_falls():
     # Q(d)/Q0 = 1 - (d/D)^4 and N = K/d^3: c = int N d(d^4)/D^4 = 4 K/D^3
     D, K = 3e-6, 1e-9
     sizes = np.geomspace(0.01 * D, D, 200)
-    dust = leak.ParticleCounts.counted([1e-7, 1e-5], K / np.array([1e-7, 1e-5]) ** 3)
+    dust = leak.ParticleCounts.of_counts([1e-7, 1e-5], K / np.array([1e-7, 1e-5]) ** 3)
     found = leak.stopped(dust, sizes, 1.0 - (sizes / D) ** 4)
     by_quadrature = quad(lambda d: K / d**3 * 4 * d**3 / D**4, 0.01 * D, D)[0]
     # all that is lost below the first size is counted there

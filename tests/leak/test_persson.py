@@ -14,7 +14,7 @@ from scipy.special import erf, exp1
 
 import leak
 from leak.theory.persson import kernel, low_pressure_law, separations
-from leak.theory.plasticity import RoughnessSeen
+from leak.theory.plasticity import Roughness
 
 GAMMA = 0.45
 
@@ -99,17 +99,22 @@ def test_mean_separation_against_quadrature(p):
 @pytest.mark.parametrize("p", [1e5, 50e6, 3e9])
 def test_lost_separation_is_the_derivative_of_separation_times_area(p):
     C = spectrum()
-    seen = RoughnessSeen(float(C.break_moments[-1]))
+    roughness = Roughness(float(C.break_moments[-1]))
     for fraction in (0.6, 0.2, 0.02):
-        M = (p / E) ** 2 / (np.pi * 0.3**2) if fraction == 0.6 else fraction * seen.end
+        M = (p / E) ** 2 / (np.pi * 0.3**2) if fraction == 0.6 else fraction * roughness.end
         step = 1e-4
         sides = separations(
-            C, seen, np.array([p / E]), np.array([[M * (1 - step), M, M * (1 + step)]]), GAMMA, refinement=4
+            C,
+            roughness,
+            np.array([p / E]),
+            np.array([[M * (1 - step), M, M * (1 + step)]]),
+            GAMMA,
+            refinement=4,
         )
         product = sides.mean[0] * sides.area[0]
         slope = (product[2] - product[0]) / (sides.area[0, 2] - sides.area[0, 0])
         # Second-order difference of values good to 1e-8 over a step of 1e-4.
-        assert sides.lost[0, 1] == pytest.approx(slope, rel=3e-4)
+        assert sides.lost_separation[0, 1] == pytest.approx(slope, rel=3e-4)
 
 
 def test_pressure_times_separation_change_is_the_elastic_energy():

@@ -78,7 +78,7 @@ def test_a_table_that_ends_at_sealing_serves_short_contacts_beyond(beyond):
     one = replace(soft, effective_modulus=modulus)
     opened = with_threshold(one.conductivity_table(1e3, 1e11), 0.42, 0.5)
     acts = opened.sealing_pressure * np.linspace(0.97, 0.999999, 60)
-    assert (np.diff(replace(opened, acting=None).effective_separation(acts)) <= 0.0).all()
+    assert (np.diff(replace(opened, acts_at=None).effective_separation(acts)) <= 0.0).all()
 
 
 def punched(width, mean, points=401):

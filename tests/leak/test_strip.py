@@ -22,7 +22,7 @@ def _cylinder(n: int, width: float) -> np.ndarray:
 def test_hertz_line_contact_without_roughness():
     line_load, width, n = 5e3, 2e-3, 1024
     strip = Strip(None, (n, 4), width, _cylinder(n, width))
-    state = strip.pressed(line_load, effective_modulus=E_STAR)
+    state = strip.press(line_load, effective_modulus=E_STAR)
     a = np.sqrt(4.0 * line_load * RADIUS / (np.pi * E_STAR))
     p0 = 2.0 * line_load / (np.pi * a)
     x = ((np.arange(n) + 0.5) / n - 0.5) * width
@@ -99,7 +99,7 @@ def test_strips_of_another_program(kind):
         x = ((np.arange(n) + 0.5) / n - 0.5) * width
         strip = Strip(spectrum, (n, 256), width, x**2 / (2.0 * value["R_m"]))
         own = [
-            strip.pressed(
+            strip.press(
                 value["line_load"],
                 effective_modulus=value["E_star_Pa"],
                 seed=seed,

@@ -117,7 +117,7 @@ def test_two_steps_of_a_report_are_two_tables() -> None:
     tables = read_tables(FIELD_REPORT + MINIMUM + second + MINIMUM)
     assert [len(one.rows) for one in tables] == [7, 7]
     assert all(one.header == ("Node", "COORD.COOR1", "CPRESS") and one.stray is None for one in tables)
-    assert [any("Step-2" in line for _, line in one.above) for one in tables] == [False, True]
+    assert [any("Step-2" in line for _, line in one.lines_above) for one in tables] == [False, True]
 
 
 def test_lines_of_the_file_are_known() -> None:

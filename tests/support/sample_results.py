@@ -122,7 +122,7 @@ def with_new_verdicts(result: SealResult) -> SealResult:
     """A result whose case or loads were changed, judged as a run does."""
     verdict = VERDICT.compute(result, Request(Mock(), Mock(), answers=dict(result.answers)))
     return replace(
-        result.answered(verdict=verdict),
+        result.with_answers(verdict=verdict),
         loads=tuple(VERDICT.of_load(load, n, verdict) for n, load in enumerate(result.loads)),
     )  # type: ignore[arg-type]
 

@@ -29,7 +29,7 @@ def compression_picture(result: SealSolution) -> Picture | None:
     found = COMPRESSION.of(result.answers)
     if found is None:
         return None
-    unit = unit_for("length", found.largest.compression)
+    unit = unit_for("length", found.largest_step.compression)
     per_length = fixed_unit("N/mm")
     over = [step.compression / unit.size for step in found.steps]
     loads = [per_length.of(step.line_load) for step in found.steps]
@@ -50,7 +50,7 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     found = COMPRESSION.of(result.answers)
     if found is None:
         return AnswerPage()
-    most, back, left = found.largest, found.springback, found.left or 0.0
+    most, back, left = found.largest_step, found.springback, found.left or 0.0
     after = "unknown" if back is None else "springs" if result.problem.follows_path else "elastic"
     values = {"most": most, "after": after, "back": back or 0.0, "left": left, "stop": found.stop}
     sentences = say_all(display, "compression", "result", **values)

@@ -57,7 +57,7 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
 def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str]:
     if not load.of_profile:
         yield _width_reason(result, display, load)
-    if result.unloaded is None:
+    if result.unloaded_bodies is None:
         return
     zones = {name: zone for name, zone in load.zones.items() if isinstance(zone, PlasticZone)}
     if not zones:
@@ -106,7 +106,7 @@ def history(result: SealSolution, display: Display) -> list[str]:
     earlier = earlier_load(result.case.load)
     remembers = any(load.remembers for load in result.loads)
     if earlier:
-        kind = "remembers" if remembers or result.unloaded else "forgets"
+        kind = "remembers" if remembers or result.unloaded_bodies else "forgets"
     elif not remembers:
         return []
     else:

@@ -20,7 +20,7 @@ from fem_seal.seal.scenarios import BESIDE
 from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
-    from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
+    from fem_seal.answers.form import AllowedForm, FormAnswers, FormPoint, WaveAlone
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.output.tables import CsvTable
@@ -66,9 +66,9 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
     yield from say_all(display, "form", "worst", answers=answers, load=at)
     if load.circumference is not None and load.circumference.form.felt:
         # only results with a form error need this module
-        from fem_seal.answers.form import CLOSED
+        from fem_seal.answers.form import CLOSED_SHARE
 
-        yield say(display, "form", "closing", force=answers.closing_force, load=load, closed=CLOSED)
+        yield say(display, "form", "closing", force=answers.closing_force, load=load, closed=CLOSED_SHARE)
     if answers.allowed is not None and not load.validity.outside_theory:
         yield from filter(None, (_size(answers, display), _zone(answers, load, display)))
         if answers.allowed.waves is not None and any(_zones(answers)[:1]):
@@ -101,7 +101,7 @@ def _size(answers: FormAnswers, display: Display) -> str:
     return say(display, "form", "size", factors=factors, limit=_name_of_limit(allowed), rate=rate)
 
 
-def _name_of_limit(allowed: Allowed) -> str:
+def _name_of_limit(allowed: AllowedForm) -> str:
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
     return names.get(allowed.limit, f"limit of {allowed.limit}")
 

@@ -48,10 +48,10 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
     case, level, outside = result.case, load.validity.level, load.validity.outside_theory
     volume = volume_of(case)
     text = leak_range_text(rate_of(load), load.leak_digits, claimed=not outside, volume=volume)
-    middle, kind = "", "tested" if load.tested else "finish" if has_finish(case) else "inputs"
-    if load.sampled is not None and not outside:
+    middle, kind = "", "tested" if load.after_test else "finish" if has_finish(case) else "inputs"
+    if load.sample_ends is not None and not outside:
         middle = leak_range_text(usual_rate_of(load), min(load.leak_digits, 2), volume=volume)
-        text = told_after_test(load, volume) if load.tested else text
+        text = told_after_test(load, volume) if load.after_test else text
     elif has_one_number(load) and (ends := separate_ends(load)) is not None:
         digits = min(load.leak_digits, 2)
         text, middle = (leak_range_text(end, digits, beside=ends, volume=volume) for end in ends)
@@ -87,7 +87,7 @@ def sure(case: Case, load: CaseLoad) -> str:
     if not isinstance(ends, tuple) or not volume_of(case).measurable(ends[1]):
         return ""
     also, share = "", 0.0
-    if load.sampled is not None:
+    if load.sample_ends is not None:
         assert case.sampled is not None
         kind, share = uncertain_in_words(case, load), case.sampled.confidence
         also = "both" if load.others else "" if load.flow_error is None else "own"
@@ -180,8 +180,8 @@ def has_finish(case: Case) -> bool:
 
 def uncertain_in_words(case: Case, load: CaseLoad) -> str:
     """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
-    if load.tested or not has_finish(case):
-        return "tested" if load.tested else "inputs"
+    if load.after_test or not has_finish(case):
+        return "tested" if load.after_test else "inputs"
     given = case.uncertainty is not None and bool(case.uncertainty.spreads)
     return "mixed" if given or any(uncertain_heights(case.roughness, between_scans=False)) else "finish"
 
@@ -321,12 +321,12 @@ def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list
     tested, covered = "" if found.outside_theory else judged_as(case, load), sure(case, load)
     classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
     at, told = load_values(load, loads), leakage_text(load, volume)
-    if load.tested and not found.outside_theory:
+    if load.after_test and not found.outside_theory:
         at, told = f"{at} after the leak test", told_after_test(load, volume, told)
     return [
         f"Leak rate at {at}: {told}{doubt}",
         *([f"  {covered}"] if covered else []),
-        *([f"  {_as_given(case, load)}"] if load.sampled is not None else []),
+        *([f"  {_as_given(case, load)}"] if load.sample_ends is not None else []),
         f"Leakage class for {class_size(case)[1]}: {classes}{why}",
         *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
     ]
@@ -336,7 +336,7 @@ def _as_given(case: Case, load: CaseLoad) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
+    finish, inputs = ("tested_finish", "tested_inputs") if load.after_test else ("finish", "inputs")
     return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.particles import KEPT, ParticleAnswers, answers_of
+from fem_seal.answers.particles import KEPT_SHARE, ParticleAnswers, answers_of
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, ORANGE
 from fem_seal.output.pictures.style import NARROW, Picture, captioned, label, panels
@@ -32,7 +32,7 @@ def _sentences(result: SealSolution, answers: ParticleAnswers, display: Display)
     yield _narrow(result, answers, display)
     keeping = answers.keeping_filter or ()
     two = len({display.quantity(size, "length 2") for size in keeping}) > 1
-    yield from say_all(display, "particles", "filters", found=answers, lost=1.0 - KEPT, two=two)
+    yield from say_all(display, "particles", "filters", found=answers, lost=1.0 - KEPT_SHARE, two=two)
     fluid = result.case.fluid
     assert fluid is not None and fluid.particles is not None  # the answers are about them
     size, narrowest = fluid.particles.counts.sizes[0], answers.narrowest[0]
@@ -127,7 +127,7 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     sentences, tiles = list(_sentences(result, answers, display)), []
     if answers.keeping_filter is not None:
         size = display.quantity(answers.keeping_filter, "length 2")
-        tiles.append(Tile("Filter", size, say(display, "particles", "keeping", lost=1.0 - KEPT), 50))
+        tiles.append(Tile("Filter", size, say(display, "particles", "keeping", lost=1.0 - KEPT_SHARE), 50))
     return AnswerPage(
         tiles=tiles,
         why=[_narrow(result, answers, display)],

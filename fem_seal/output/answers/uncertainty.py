@@ -98,7 +98,7 @@ def interval_notes(result: SealSolution, display: Display) -> list[str]:
         finish=roughness is not None and roughness.finishes,
         both=result.highest.others,
         own=result.highest.flow_error is not None,
-        sealed=float(interval.sealed.max()),
+        sealed=float(interval.sealed_share.max()),
     )
 
 
@@ -114,7 +114,7 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
         "leak_rate_low_m3_per_s": low,
         "leak_rate_median_m3_per_s": interval.median.tolist(),
         "leak_rate_high_m3_per_s": high,
-        "sealed_share": interval.sealed.tolist(),
+        "sealed_share": interval.sealed_share.tolist(),
         "shares_of_variance": {
             name: interval.shares[:, n].tolist() for n, name in enumerate(interval.inputs)
         },

@@ -39,7 +39,7 @@ def _rate_text(result: SealSolution, display: Display, load: CaseLoad) -> str:
 
 def _remark_on_inputs(load: CaseLoad) -> str:
     """Remark that the other theory uses the inputs as stated: only one theory is sampled."""
-    return "" if load.sampled is None else " with the inputs as stated"
+    return "" if load.sample_ends is None else " with the inputs as stated"
 
 
 def has_one_number(load: CaseLoad) -> bool:
@@ -51,7 +51,7 @@ def has_one_number(load: CaseLoad) -> bool:
     """
     # one that is sealed alone is told with its upper bound
     told = load.leak is not None and load.leak.leak_rate > 0.0 and not load.validity.outside_theory
-    return told and "paper" in load.names and load.sampled is None
+    return told and "paper" in load.names and load.sample_ends is None
 
 
 def beside_in_brief(result: SealSolution) -> Iterator[str]:
@@ -88,7 +88,7 @@ def supported_by(result: SealSolution) -> list[str]:
     if load.leak is None or load.validity.outside_theory:
         return []
     theories = [name for name in ("paper", "corrected") if name in load.names]
-    support = "test" if load.tested else theories[0] if theories else "direct"
+    support = "test" if load.after_test else theories[0] if theories else "direct"
     return [say(result.case.display, "theories", f"supported_{support}")]
 
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 # Factors beyond this are shown as "more than".
-_FAR, _FAR_IN_WORDS = 1e6, "a million"
+_LARGEST_FACTOR, _FAR_IN_WORDS = 1e6, "a million"
 
 
 def factor_text(factor: float, digits: int = 2) -> str:
@@ -54,7 +54,7 @@ def factor_text(factor: float, digits: int = 2) -> str:
     >>> factor_text(1.004)
     '1.004'
     """
-    if factor > _FAR:
+    if factor > _LARGEST_FACTOR:
         return f"more than {_FAR_IN_WORDS}"
     return units.format_digits(factor, units.digits_at_limit(factor, 1.0, digits))
 
@@ -110,7 +110,7 @@ def verdict_in_brief(result: SealSolution) -> str:
 
 def _passes(result: SealSolution, found: SealVerdict) -> str:
     """How many seals pass at the deciding load; empty where nobody knows."""
-    passing = None if found.number is None else result.loads[found.number].passing
+    passing = None if found.number is None else result.loads[found.number].chance
     if passing is None or passing.why_none:
         return ""
     return phrase("verdict.passes", "brief", share=_in_percent(passing.share))
@@ -153,7 +153,7 @@ def _place(result: SealSolution, found: SealVerdict) -> str:
 def _verdict(result: SealSolution, found: SealVerdict) -> str:
     judged, limit, key = found.worst, found.worst.limit, _sentence(found)
     digits, volume, load = _digits(result, found), leakage_class.volume_of(result.case), _place(result, found)
-    if found.number is not None and result.loads[found.number].tested:
+    if found.number is not None and result.loads[found.number].after_test:
         load = f"{load} after the leak test"
     if judged.verdict is not Verdict.INCONCLUSIVE and _doubt(result, found):
         load = f"{load}, with doubt"
@@ -287,7 +287,7 @@ def _basis(result: SealSolution, found: SealVerdict) -> Iterator[str]:
     if measured := would_pass(result):
         yield f"{measured}."
     yield from _in_scenarios(result, found)
-    count = len(found.judged) + found.left_out
+    count = len(found.load_numbers) + found.left_out
     if count > 1:
         yield phrase("verdict.basis", "several", count=count, load=_place(result, found))
 
@@ -303,8 +303,8 @@ def would_pass(result: SealSolution) -> str:
     undecided = _BY_INTERVAL[1:]
     if found is None or found.number is None or found.worst.why not in undecided:
         return ""
-    heights = [_passing_height(result, number) for number in found.judged]
-    height, number = min(zip(heights, found.judged, strict=True))
+    heights = [_passing_height(result, number) for number in found.load_numbers]
+    height, number = min(zip(heights, found.load_numbers, strict=True))
     if height < _LOWEST_HEIGHT:
         return ""
     profiles, load = result.error_shares[number].by_profiles, result.loads[number]
@@ -326,7 +326,7 @@ def _passing_height(result: SealSolution, number: int) -> float:
 
 def _in_scenarios(result: SealSolution, found: SealVerdict) -> Iterator[str]:
     """Verdict in a scenario with contacts of its own, if it differs."""
-    sampled = found.number is not None and result.loads[found.number].sampled is not None
+    sampled = found.number is not None and result.loads[found.number].sample_ends is not None
     for name, (place, judged, own) in result.judgement_beside.items():
         yield phrase(
             "verdict.basis",
@@ -414,10 +414,10 @@ def tiles(result: SealSolution) -> Iterator[Tile]:
         known = factor_text(found.margin, _digits(result, found)) if math.isfinite(found.margin) else "–"
         margin = "sealed" if math.isinf(found.margin) else known
         yield Tile("Margin", margin, phrase("verdict.tile", "margin"), 10, level)
-    if likely is not None and likely.passing is not None and not likely.passing.why_none:
+    if likely is not None and likely.chance is not None and not likely.chance.why_none:
         at = load_name(likely, result.loads)
         yield Tile(
-            "Passes", _in_percent(likely.passing.share), phrase("verdict.tile", "passes", load=at), 15, level
+            "Passes", _in_percent(likely.chance.share), phrase("verdict.tile", "passes", load=at), 15, level
         )
     if force := load.verdict_force:
         none = "none" if force.looked_for else "not calculated"
@@ -437,9 +437,9 @@ def least_likely(loads: Sequence[CaseLoad]) -> CaseLoad | None:
     ----------
     loads : sequence of CaseLoad
     """
-    judged = [load for load in loads if load.passing is not None]
-    known = [load for load in judged if not load.passing.why_none]  # type: ignore[union-attr]
-    return min(known or judged, key=lambda load: load.passing.share, default=None)  # type: ignore[union-attr]
+    judged = [load for load in loads if load.chance is not None]
+    known = [load for load in judged if not load.chance.why_none]  # type: ignore[union-attr]
+    return min(known or judged, key=lambda load: load.chance.share, default=None)  # type: ignore[union-attr]
 
 
 def _in_percent(share: float) -> str:
@@ -452,12 +452,12 @@ def _in_percent(share: float) -> str:
 def _pass_sentence(result: SealSolution) -> str:
     """How likely the load passes that passes least often; empty where nobody knows."""
     load = least_likely(result.loads)
-    if load is None or load.passing is None:
+    if load is None or load.chance is None:
         return ""
-    found = load.passing
+    found = load.chance
     return phrase(
         "verdict.passes",
-        "none" if found.why_none else "tested" if load.tested else "share",
+        "none" if found.why_none else "tested" if load.after_test else "share",
         "" if math.isnan(found.batch_low) else "batch",
         load=load_name(load, result.loads),
         share=_in_percent(found.share),
@@ -624,7 +624,7 @@ def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
         "decided_by": str(worst.why),
         "fluid_pressure_Pa": found.fluid_pressure,
         "applied_force_N": found.applied_force,
-        "judged_loads": len(found.judged),
+        "judged_loads": len(found.load_numbers),
         "loads_without_result": found.left_out,
         "share_of_yield_stress": shares.yield_stress,
         "share_of_hardness": shares.hardness,

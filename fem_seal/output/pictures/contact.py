@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
 
     from fem_seal.answers.case_load import CaseLoad, SolvedSeal
-    from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
+    from fem_seal.answers.closed_forms import ClosedForm, ClosedForms, Sizes
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import UnloadedBodies
@@ -49,13 +49,13 @@ _CLOSED_FORMS = {
 }
 
 
-def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
+def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture:
     """Pressure profiles of all loads, and the lowest and highest load compared with the closed forms.
 
     Parameters
     ----------
     result : SealSolution
-    derived : Derived
+    derived : ClosedForms
         Closed forms of the case.
     """
     loads = result.loads
@@ -134,7 +134,7 @@ def _plot_profiles(
         axes.plot(x, y, label=None if number else name, **how)
 
 
-def _against_closed_forms(axes: Axes, load: CaseLoad, name: str, closed: DerivedLoad, length: Unit) -> None:
+def _against_closed_forms(axes: Axes, load: CaseLoad, name: str, closed: ClosedForm, length: Unit) -> None:
     reach = _reach([load])
     # Hertz may be many times higher; in full height it would flatten all other curves.
     top = 1.75 * load.peak_pressure
@@ -570,11 +570,11 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    yielded = [part for part in result.parts if part.unloaded is not None and part.unloaded.imprints]
+    yielded = [part for part in result.parts if part.unloaded_bodies and part.unloaded_bodies.imprints]
     if not yielded:
         return None
     # of several the first one that has yielded
-    part, unloaded = yielded[0], yielded[0].unloaded
+    part, unloaded = yielded[0], yielded[0].unloaded_bodies
     assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
     _imprints(depth, unloaded, part.problem.contact)

@@ -114,7 +114,7 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
     rates = leak_rates(loads)
     yielded = SCENARIOS[loads[0].names[0]].curve
     curves = [(f"{yielded} (result)", rates, BLUE, 2.2)]
-    if loads[0].tested:
+    if loads[0].after_test:
         medians = np.array([load.leak_rate_p50 or 0.0 for load in loads])
         curves = [
             ("median after the leak test", medians, BLUE, 2.2),
@@ -146,7 +146,7 @@ def leaking_loads(result: SealSolution) -> tuple[list[CaseLoad], FloatArray]:
         if load.leak and np.isfinite(load.leak.leak_rate)
     ]
     # in their order where a body yields: the leak at the same pressure differs before and after a higher one
-    if not result.unloaded:
+    if not result.unloaded_bodies:
         pairs.sort(key=lambda pair: pair[0].point)
     return [load for load, _ in pairs], np.array([ends for _, ends in pairs])
 
@@ -218,7 +218,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     contacts = [contact for load in result.loads for contact in load.contacts]
     if not loads or not (largest_before(contacts) or any(load.remembers for load in loads)):
         return None
-    if result.unloaded is None:
+    if result.unloaded_bodies is None:
         loads.sort(key=lambda load: load.point)
     over = load_axis(loads)
     earlier = earlier_load(result.case.load) or "the loads before it"
@@ -234,7 +234,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     title = "Leak rate on first loading and after a larger load"
     label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
     both = "both" if any(load.others for load in loads) else ""
-    bodies = "bodies" if result.unloaded else ""
+    bodies = "bodies" if result.unloaded_bodies else ""
     return captioned(figure, "memory", "rates", both, bodies, over=over.name, earlier=earlier)
 
 

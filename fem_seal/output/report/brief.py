@@ -62,7 +62,7 @@ def given_in_words(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    return list(dict.fromkeys(one.understood for one in result.answers.get("profiles", ()) if one.understood))
+    return list(dict.fromkeys(one.remark for one in result.answers.get("profiles", ()) if one.remark))
 
 
 def _contact_alone(result: SealSolution) -> str:
@@ -97,7 +97,7 @@ def missing_in_brief(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    missing, found = result.not_calculated, result.judgement
+    missing, found = result.missing_loads, result.judgement
     # one that decides the verdict is named with it
     if not missing or (found is not None and found.number is None and len(missing) == 1):
         return ""
@@ -129,12 +129,12 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
     met = ", ".join(str(one) for one in classes if one.name)
     ends = load.leak_interval or (load.leak.leak_rate,)
     sealed = not volume.measurable(max(ends))
-    key = "tested" if load.tested else "tight" if sealed else "leaks_published" if one_number else "leaks"
+    key = "tested" if load.after_test else "tight" if sealed else "leaks_published" if one_number else "leaks"
     told = phrase(
         "brief.first",
         key,
         load=f"{at}, with doubt" if found.level is Level.DOUBTFUL else at,
-        rate=told_after_test(load, volume, rate) if load.tested else rate,
+        rate=told_after_test(load, volume, rate) if load.after_test else rate,
     )
     return f"{told}; " + phrase("brief.first", "classes" if met else "no_class", met=met)
 
@@ -260,7 +260,7 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable,
 def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     """Columns that have a value and tell something of their own, without those that are spared first."""
     found = [load for load in loads if isinstance(load, CaseLoad)]
-    without = {"leak_rate_m3_per_s" if any(load.tested for load in found) else "leak_rate_p50_m3_per_s"}
+    without = {"leak_rate_m3_per_s" if any(load.after_test for load in found) else "leak_rate_p50_m3_per_s"}
     if len({load.applied_force for load in loads}) == 1:
         without.add("applied_force_N")
     names = [name for name in SHOWN_COLUMNS["brief"] if name not in without]
@@ -295,7 +295,7 @@ def _clear_unclaimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad])
     for n, load in enumerate(loads):
         if isinstance(load, MissingLoad):
             continue
-        open_inputs = case.sampled is not None and load.sampled is None
+        open_inputs = case.sampled is not None and load.sample_ends is None
         tight = column.column.kind == "flow" and not values[n]
         if load.validity.outside_theory and (tight or (open_inputs and name in (*_ENDS, "margin"))):
             values[n] = None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.answers.case_load import CaseLoad
-from fem_seal.answers.closed_forms import Derived, Sizes, closed_form_limits, derive_beside, profile_sizes
+from fem_seal.answers.closed_forms import ClosedForms, Sizes, closed_form_limits, derive_beside, profile_sizes
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.tables import curves
@@ -132,13 +132,13 @@ def _escape_for_css(text: str) -> str:
     return "".join(one if one.isalnum() or one in " ,.-" else f"\\{ord(one):x} " for one in text)
 
 
-def short_pictures(result: SealSolution, derived: Derived) -> list[Picture]:
+def short_pictures(result: SealSolution, derived: ClosedForms) -> list[Picture]:
     """The pictures of the short page: case, contact, leak, and two more at most.
 
     Parameters
     ----------
     result : SealSolution
-    derived : Derived
+    derived : ClosedForms
         Closed forms of the case.
     """
     with style():
@@ -152,7 +152,7 @@ def short_pictures(result: SealSolution, derived: Derived) -> list[Picture]:
     return drawn
 
 
-def _drawn_beside(result: SealSolution, derived: Derived) -> Iterator[Picture | None]:
+def _drawn_beside(result: SealSolution, derived: ClosedForms) -> Iterator[Picture | None]:
     """Pictures that answer what the case asks, as far as there are any."""
     around = [one for one in _pictures_around(result) if one is not None and one.name in _RANK]
     yield from around[-1:]
@@ -162,17 +162,17 @@ def _drawn_beside(result: SealSolution, derived: Derived) -> Iterator[Picture | 
     yield memory_picture(result)
     if result.of_profile:
         yield profile_picture(result, derived)
-    elif result.unloaded is not None:
+    elif result.unloaded_bodies is not None:
         yield imprint_picture(result)
 
 
-def pictures(result: SealSolution, derived: Derived) -> list[Picture]:
+def pictures(result: SealSolution, derived: ClosedForms) -> list[Picture]:
     """All pictures of a result.
 
     Parameters
     ----------
     result : SealSolution
-    derived : Derived
+    derived : ClosedForms
         Closed forms of the case.
     """
     sizes = profile_sizes(result, derived)
@@ -181,7 +181,7 @@ def pictures(result: SealSolution, derived: Derived) -> list[Picture]:
 
 
 def _draw_pictures(
-    result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]
+    result: SealSolution, derived: ClosedForms, sizes: Mapping[str, Sizes]
 ) -> Iterator[Picture | None]:
     top = result.highest
     if not result.of_profile:
@@ -248,7 +248,7 @@ def _texts_of_case(result: SealSolution) -> dict[str, Any]:
     if case.interface.law == "spectrum" and decay_length is None and not isinstance(problem.law, HardContact):
         peak = max(load.peak_pressure for load in result.loads)
         at_peak = float(problem.law.decay_length(np.array([math.log(peak)]))[0])
-    points = in_order(case.load.points, result.not_calculated, lambda load: load.point)
+    points = in_order(case.load.points, result.missing_loads, lambda load: load.point)
     return {
         "drawn_sections": {name: case_words.section_text(one) if one else {} for name, one in drawn.items()},
         "dimensions": {name: case_words.listed_dimensions(case, name) for name in case_words.BODIES},
@@ -295,7 +295,7 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
     }
 
 
-def _of_full(result: SealSolution, derived: Derived) -> dict[str, Any]:
+def _of_full(result: SealSolution, derived: ClosedForms) -> dict[str, Any]:
     """What the full page has beside this."""
     return {
         "far_field": far_field_sentence(result),
@@ -379,7 +379,7 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
 
 def comparison_note(result: SealSolution) -> str:
     """Explanation of the differences from the closed forms; empty if none is needed."""
-    if result.unloaded is not None:
+    if result.unloaded_bodies is not None:
         return phrase("notes.comparison", "yielding")
     if limits := closed_form_limits(result.case, derive_beside(result)):
         return f"{limits[0].upper()}{limits[1:]}."
@@ -398,7 +398,7 @@ def _difference(share: float, load: CaseLoad, measure: str) -> str:
 def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
     rows: list[dict[str, object]] = []
-    loads = result.loads if result.unloaded is not None else ()
+    loads = result.loads if result.unloaded_bodies is not None else ()
     for whole in loads:
         zones = whole.zones
         for body, (number, name) in whole.named_bodies.items():
@@ -469,6 +469,6 @@ def validity_table(result: SealSolution) -> ReadableTable:
             "level": NOT_CALCULATED,
             "reason": why_missing(load.problem),
         }
-        for load in result.not_calculated
+        for load in result.missing_loads
     ]
     return worded_table("validity", rows)

@@ -40,7 +40,7 @@ INDENTATION = Answer(
     _compute,
     (),
     needs=("problem.surface.hardness",),
-    doing="how near the asperities are to an indentation",
+    status="how near the asperities are to an indentation",
 )
 
 # ---------------------------------------------------------------- as in fem_seal/output/answers/

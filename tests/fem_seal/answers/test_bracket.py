@@ -277,7 +277,7 @@ def test_what_is_calculated_lies_inside_the_interval_of_its_samples():
     low, high = result.loads[0].leak_range
     sampled = interval(np.full((2, 5), high), np.full((2, 5), 1.1 * high))
     loads = tuple(sampled.of_load(load, number) for number, load in enumerate(result.loads[:2]))
-    above = replace(result.answered(uncertainty=sampled), loads=loads)
+    above = replace(result.with_answers(uncertainty=sampled), loads=loads)
     off = 1 + result.discretisation_error.leak_rate
     assert above.leak_ranges[0] == pytest.approx((low / off, 1.1 * high * off), rel=1e-12)
     rows = leak_rows(above)
@@ -321,7 +321,7 @@ def test_the_class_of_a_load_is_that_of_the_interval_beside_it():
     result = rough_result()
     load, name = result.loads[0], "ISO 5208"
     of_readings = {one.standard: one for one in leakage_classes(result.case, load)}[name]
-    sampled = load.with_values(sampled=(1e-12, 1.0))
+    sampled = load.with_values(sample_ends=(1e-12, 1.0))
     wide = {one.standard: one for one in leakage_classes(result.case, sampled)}[name]
     assert wide.name is None and wide.at_best == "AA"
     size = nominal_size(result.case).size

@@ -17,7 +17,7 @@ from fem_seal.answers.calibration import (
     LearnedInput,
     _group,
     _Joint,
-    _passing,
+    _pass_chance,
     calibrate,
     percentiles,
     weights_of,
@@ -210,7 +210,7 @@ def test_the_expected_width_is_that_of_the_closed_form():
     _, slopes, y = linear(4096)
     noise = np.random.default_rng(1).standard_normal((TRUTHS, 1))
     draws = Draws(0.9, {}, y.T[None], np.zeros(len(y)), noise)
-    found = draws.width(draws.log_rate[:, 2], draws.shown_by_test(0, 0.2, Bounds(1.0, 1.0)))
+    found = draws.width(draws.log_rate[:, 2], draws.weigh_test(0, 0.2, Bounds(1.0, 1.0)))
     a, b = slopes[0], slopes[2]
     left = b @ b - (a @ b) ** 2 / (a @ a + 0.2**2)
     assert found == pytest.approx(3.29 * math.sqrt(left), rel=0.05)
@@ -249,9 +249,9 @@ def test_readings_in_any_unit(tmp_path):
     first, second = read_measured(case, path)
     assert first.fluid_pressure == pytest.approx(5e5)
     assert first.leak_rate == pytest.approx(1.2e-6 / 60.0)
-    assert (first.uncertainty, first.below) == (0.05, False)
+    assert (first.uncertainty, first.is_below) == (0.05, False)
     assert second.leak_rate == pytest.approx(3e-6 / 3600.0)
-    assert (second.uncertainty, second.below) == (0.1, True)
+    assert (second.uncertainty, second.is_below) == (0.1, True)
     assert first.applied_force == second.applied_force == 1000.0
     frame = pd.DataFrame({"fluid_pressure_Pa": [5e5], "leak_rate_m3_per_s": [2e-8], "fluid": ["nitrogen"]})
     (gas,) = read_measured_text(case, frame.to_csv(index=False))
@@ -326,7 +326,7 @@ def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, 
         )
     )
     assert judged.highest.leak_interval.low == pytest.approx(interval.low[-1], rel=0.01)
-    assert 0.05 < judged.highest.passing.share < 0.95
+    assert 0.05 < judged.highest.chance.share < 0.95
 
 
 @pytest.mark.slow
@@ -355,7 +355,7 @@ def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
     write_calibration(found, tmp_path)
     # nothing that others could take for known
     assert not list(tmp_path.glob("calibrated.toml"))
-    assert not found.settled
+    assert not found.is_usable
 
 
 @pytest.mark.slow
@@ -419,19 +419,19 @@ def test_the_median_after_the_test_leads(after):
 @pytest.mark.slow
 def test_calibrate_gives_the_verdict_that_the_calibrated_case_gives(after):
     found, folder, run = after
-    assert found.judged.verdict == run.verdict == "inconclusive"
-    assert found.judged.margin == pytest.approx(run.margin, rel=0.03)
-    assert found.judged.highest.passing.share == pytest.approx(run.highest.passing.share, abs=0.06)
+    assert found.solution.verdict == run.verdict == "inconclusive"
+    assert found.solution.margin == pytest.approx(run.margin, rel=0.03)
+    assert found.solution.highest.chance.share == pytest.approx(run.highest.chance.share, abs=0.06)
     told = json.loads((folder / "summary.json").read_text("utf-8"))["requirement"]
     assert (told["verdict"], told["fluid_pressure_Pa"]) == ("inconclusive", 2e6)
-    assert told["pass_probability"] == found.judged.highest.passing.share
+    assert told["pass_probability"] == found.solution.highest.chance.share
     # by hand: the share of the draws in the table that keep the limit
     sure = [one for one in lines(found) if one.startswith("Inconclusive at 20 bar after the leak test")]
     assert len(sure) == 1 and "Inconclusive at 20" in (folder / "report.html").read_text("utf-8")
     easy = found.case.replace({"requirement.leak_rate": 2.0 * found.predictions[-1].posterior[2]})
-    assert _passing(easy, found.judged.highest, *normal_draws(found)).share == pytest.approx(1.0)
+    assert _pass_chance(easy, found.solution.highest, *normal_draws(found)).share == pytest.approx(1.0)
     assert (
-        _passing(found.case.replace({"requirement": None}), found.judged.highest, *normal_draws(found))
+        _pass_chance(found.case.replace({"requirement": None}), found.solution.highest, *normal_draws(found))
         is None
     )
 
@@ -529,7 +529,7 @@ def test_the_picture_has_bands_through_the_readings_and_an_arrow_at_a_limit(afte
 @pytest.mark.parametrize(("cell", "below"), [("<0.3", ""), ("< 0.3", "yes"), ("0.3", "yes")])
 def test_less_than_a_limit_is_written_in_either_way(tmp_path, cell, below):
     (one,) = read_measured(seal(), table(tmp_path, f"5, {cell}, 10, {below}"))
-    assert one.below
+    assert one.is_below
     assert one.leak_rate == pytest.approx(0.3e-6 / 60.0)
 
 

@@ -12,7 +12,7 @@ from sample_results import SPECTRUM, case
 import leak
 from fem_seal.answers.chain import solve
 from fem_seal.answers.error_shares import ERROR_SHARES
-from fem_seal.answers.measurements import EVEN, Draws, accuracies, instruments
+from fem_seal.answers.measurements import EVEN_WEIGHTS, Draws, accuracies, instruments
 from fem_seal.answers.samples import UncertainScans
 from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
 from fem_seal.output.shown import prose
@@ -59,7 +59,7 @@ def test_lognormal_inputs_have_a_closed_form(accuracy):
             for name, std in zip("abc", STD, strict=True)
         ]
         known = width(SLOPES[load] ** 2 @ left + OWN[load] ** 2)
-        weights = draws.shown(accuracy) if accuracy else EVEN
+        weights = draws.weigh(accuracy) if accuracy else EVEN_WEIGHTS
         assert draws.width(draws.log_rate[:, load], weights) == pytest.approx(known, rel=0.04)
 
 
@@ -69,7 +69,7 @@ def test_a_leak_test_at_one_load_tells_of_another_what_both_share(load):
     draws = Draws.of(interval())
     cov = SLOPES @ np.diag(STD**2) @ SLOPES.T + np.outer(OWN, OWN)
     left = cov[load, load] - cov[load, 0] ** 2 / (cov[0, 0] + 0.1**2)
-    found = draws.width(draws.log_rate[:, load], draws.shown_by_test(0, 0.1, DOUBT))
+    found = draws.width(draws.log_rate[:, load], draws.weigh_test(0, 0.1, DOUBT))
     assert found == pytest.approx(width(left), rel=0.04)
 
 
@@ -77,7 +77,7 @@ def test_errors_of_the_theory_far_apart_in_pressure_have_nothing_to_do_with_each
     draws = Draws.of(interval(), np.array([5.0, 8.0]))
     cov = SLOPES @ np.diag(STD**2) @ SLOPES.T + np.diag(OWN**2)
     left = cov[1, 1] - cov[1, 0] ** 2 / (cov[0, 0] + 0.1**2)
-    found = draws.width(draws.log_rate[:, 1], draws.shown_by_test(0, 0.1, DOUBT))
+    found = draws.width(draws.log_rate[:, 1], draws.weigh_test(0, 0.1, DOUBT))
     assert found == pytest.approx(width(left), rel=0.04)
 
 
@@ -88,15 +88,15 @@ def test_samples_that_a_leak_test_has_left_stay_together():
     found = interval({"a": a, "b": a * b**0.1}, np.log(a * a * b**0.1)[None], error_scores=np.zeros((1, 512)))
     draws = Draws.of(found)
     rest = 1.0 / (1.0 / 0.3**2 + 1.0 / 0.1**2)
-    after = draws.width(draws.log_rate[:, 0], draws.shown({"a": 0.1}))
+    after = draws.width(draws.log_rate[:, 0], draws.weigh({"a": 0.1}))
     assert after == pytest.approx(width(4.0 * rest + 0.03**2), rel=0.05)
 
 
 def test_a_leak_test_settles_a_doubt_of_all_loads():
     draws, doubt = Draws.of(interval()), Bounds(0.5, 2.0)
-    before = draws.width(draws.doubted(0, doubt), EVEN)
-    assert before > 1.1 * draws.width(draws.log_rate[:, 0], EVEN)
-    after = draws.width(draws.doubted(0, doubt), draws.shown_by_test(0, 0.1, doubt))
+    before = draws.width(draws.rates_with_doubt(0, doubt), EVEN_WEIGHTS)
+    assert before > 1.1 * draws.width(draws.log_rate[:, 0], EVEN_WEIGHTS)
+    after = draws.width(draws.rates_with_doubt(0, doubt), draws.weigh_test(0, 0.1, doubt))
     assert after == pytest.approx(width(0.1**2), rel=0.06)
 
 
@@ -104,7 +104,7 @@ def test_readings_widen_it_from_the_lower_to_the_upper_one():
     one = interval()
     both = interval(one.values, np.log(one.leak_rate), others={Reading.CAPPED: 1.5 * one.leak_rate})
     alone, draws = Draws.of(one), Draws.of(both)
-    for weights in (EVEN, draws.shown({"a": 0.1})):
+    for weights in (EVEN_WEIGHTS, draws.weigh({"a": 0.1})):
         wider = draws.width(draws.log_rate[:, 0], weights) - alone.width(alone.log_rate[:, 0], weights)
         assert wider == pytest.approx(math.log(1.5), rel=1e-9)
 
@@ -115,7 +115,7 @@ def test_three_times_as_many_scans_again_leave_half_of_their_scatter():
     draws = Draws.of(interval({"seat": weights}, effect[None]))
     ((_, accuracy),) = accuracies(draws.values, {})
     left = width(0.25 * effect.var() + OWN[0] ** 2)
-    assert draws.width(draws.log_rate[:, 0], draws.shown(accuracy)) == pytest.approx(left, rel=0.05)
+    assert draws.width(draws.log_rate[:, 0], draws.weigh(accuracy)) == pytest.approx(left, rel=0.05)
 
 
 def test_what_the_samples_cannot_tell_is_not_told():
@@ -127,7 +127,7 @@ def test_what_the_samples_cannot_tell_is_not_told():
     rates[0, :3] = -math.inf
     draws = Draws.of(interval(one.values, rates))
     assert np.isnan(draws.log_rate[:, 0]).all() and np.isfinite(draws.log_rate[:, 1]).all()
-    assert draws.width(draws.log_rate[:, 1], draws.shown({"a": 1e-5})) is None
+    assert draws.width(draws.log_rate[:, 1], draws.weigh({"a": 1e-5})) is None
 
 
 def test_every_instrument_measures_inputs_and_says_who_told_its_accuracy():
@@ -160,7 +160,7 @@ def width_of(problem) -> float:
 def test_measuring_an_input_leaves_what_was_foretold(name, accuracy):
     """By doing it: what an instrument shows of several truths, and the interval calculated anew around it."""
     draws = Draws.of(solve(ball(), answers=(UNCERTAINTY,)).uncertainty)
-    told = draws.width(draws.log_rate[:, 0], draws.shown({name: accuracy}))
+    told = draws.width(draws.log_rate[:, 0], draws.weigh({name: accuracy}))
     before = SPREADS[name]["relative"]
     rest = 1.0 / (1.0 / before**2 + 1.0 / accuracy**2)
     given = {"rms_height": 1e-6, "q_rolloff": 1e5} | {
@@ -184,7 +184,7 @@ def test_measuring_the_rolloff_of_a_finish_leaves_what_was_foretold():
     accuracy = 0.1
     found = solve(turned(), answers=(UNCERTAINTY,))
     draws = Draws.of(found.uncertainty)
-    told = draws.width(draws.log_rate[:, 0], draws.shown({"q_rolloff": accuracy}))
+    told = draws.width(draws.log_rate[:, 0], draws.weigh({"q_rolloff": accuracy}))
     widths = []
     for place in (0.15, 0.5, 0.85):
         known = {

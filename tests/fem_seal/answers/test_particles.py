@@ -16,7 +16,7 @@ from sample_results import SPECTRUM, case
 import fem_seal
 import leak
 from fem_seal import InputError
-from fem_seal.answers.particles import KEPT, particle_answers
+from fem_seal.answers.particles import KEPT_SHARE, particle_answers
 from fem_seal.cli.app import main
 from fem_seal.output.answers.particles import SHOWN, particle_table
 from fem_seal.output.report.page import report
@@ -48,7 +48,7 @@ def test_a_code_or_counts_say_how_many_particles_there_are():
     assert dirty_case().fluid.particles.counts == leak.ParticleCounts.of_iso_4406("15/13/10")
     counted = {"sizes": ["2 um", "10 um"], "per_ml": [5000, 100.0], "filter": "3 um"}
     found = dirty_case(counted).fluid.particles.counts
-    assert found == leak.ParticleCounts.counted([2e-6, 10e-6], [5e9, 1e8], 3e-6)
+    assert found == leak.ParticleCounts.of_counts([2e-6, 10e-6], [5e9, 1e8], 3e-6)
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_the_filter_that_keeps_the_leak_keeps_it():
             rough, profile = load.rough, load.contact.profile
             left = rough.flow.leak_of(shut, rough.surface, profile, load.fluid_pressure).leak_rate
             # interpolated between sizes a fifth apart
-            assert left / load.leak.leak_rate == pytest.approx(KEPT, abs=3e-3)
+            assert left / load.leak.leak_rate == pytest.approx(KEPT_SHARE, abs=3e-3)
 
 
 def test_without_yielding_there_is_one_reading():
@@ -229,10 +229,10 @@ def test_nothing_is_said_of_a_load_outside_the_theory():
 
 
 def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
-    counts = leak.ParticleCounts.counted([1e-6, 2e-6], [1e9, 1e8], largest=1e-8)
+    counts = leak.ParticleCounts.of_counts([1e-6, 2e-6], [1e9, 1e8], largest=1e-8)
     table = {"sizes": ["1 um", "2 um"], "per_ml": [1000, 100], "filter": "10 nm"}
     changed = replace(
-        result().answered(particles=particle_answers(result().loads, counts)),
+        result().with_answers(particles=particle_answers(result().loads, counts)),
         case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
     )
     told = " ".join(details_of(changed))
@@ -243,10 +243,10 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
 
 @pytest.mark.usefixtures("unrendered")
 def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
-    counts = leak.ParticleCounts.counted([50e-6, 200e-6], [1e9, 1e8])
+    counts = leak.ParticleCounts.of_counts([50e-6, 200e-6], [1e9, 1e8])
     table = {"sizes": ["50 um", "200 um"], "per_ml": [1000, 100]}
     changed = replace(
-        result().answered(particles=particle_answers(result().loads, counts)),
+        result().with_answers(particles=particle_answers(result().loads, counts)),
         case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
     )
     answers = changed.particles[-1]
@@ -272,7 +272,7 @@ def test_files_have_what_the_answers_say(tmp_path):
     told = json.loads((tmp_path / "summary.json").read_text())["particles"]
     assert len(told) == 2 and tuple(told[-1]["keeping_filter"]) == result().particles[-1].keeping_filter
     # a run without particles into the same folder leaves none behind
-    result().answered(particles=()).write(tmp_path)
+    result().with_answers(particles=()).write(tmp_path)
     assert not (tmp_path / "particles.csv").exists()
 
 

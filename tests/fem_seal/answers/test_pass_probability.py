@@ -183,7 +183,7 @@ def test_a_polynomial_with_a_prior_knows_its_error_and_which_runs_tell_most():
     inputs = ndtri(points)
     polynomials = Polynomials.of(inputs, 3)
     assert (polynomials(inputs).T @ polynomials(inputs) / 1024).diagonal() == pytest.approx(1.0, abs=0.35)
-    chosen = polynomials.telling(inputs[:256], 24)
+    chosen = polynomials.choose_runs(inputs[:256], 24)
     assert len(set(chosen.tolist())) == 24
     rng, off = np.random.default_rng(5), []
     for _ in range(20):
@@ -193,7 +193,7 @@ def test_a_polynomial_with_a_prior_knows_its_error_and_which_runs_tell_most():
             return (polynomials(z) @ coefficients)[:, None]
 
         surface = fit_with_prior(polynomials, inputs[chosen], model(inputs[chosen]))
-        spread = surface.drawn(200)[1:, 0].std(axis=1)
+        spread = surface.draw(200)[1:, 0].std(axis=1)
         off.append((surface.coefficients[1:, 0] - coefficients[1:]) / spread)
     assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.3
     # nearly exact of a plane with enough runs
@@ -274,7 +274,7 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     )
     result = fem_seal.run(wanted, sensitivities=False)
     first, last = result.loads
-    assert first.passing is None and first.pass_probability is None and first.pass_probability_error is None
+    assert first.chance is None and first.pass_probability is None and first.pass_probability_error is None
     table = leak_table(result)
     assert math.isnan(table["pass_probability"][0]) and table["pass_probability"][1] == last.pass_probability
     assert last.pass_probability == 1.0
@@ -286,7 +286,7 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     assert verdict_in_brief(result) == first_line(result) and "such seals" not in first_line(result)
     line = first_line(fem_seal.run(wanted.replace(limit), sensitivities=False))
     assert line.startswith("Inconclusive at 20 bar: ") and line.endswith(" % of such seals pass")
-    none = replace(result, loads=(first, last.with_values(passing=PassProbability(why_none="of this"))))
+    none = replace(result, loads=(first, last.with_values(chance=PassProbability(why_none="of this"))))
     assert any("no probability to pass is known: of this" in line for line in basis_lines(none))
 
 

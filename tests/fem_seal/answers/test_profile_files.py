@@ -199,7 +199,7 @@ def test_points_on_both_sides_of_zero_are_no_radii(read) -> None:
     (found,) = read("\n".join([header, *lines]))
     assert found.x == pytest.approx(X * 1e-3, abs=1e-8)
     assert found.pressure == pytest.approx(P * 1e6, rel=1e-6)
-    assert "mm and MPa" in found.understood
+    assert "mm and MPa" in found.remark
 
 
 REPORT = """
@@ -315,7 +315,7 @@ def test_samples_keep_the_given_contact(read) -> None:
     spread = {"samples": 16, "rms_height": {"relative": 0.2}}
     found = solve_profiles(case_of({**TABLES, "uncertainty": spread}), profiles)
     interval = found.uncertainty
-    assert interval is not None and found.loads[0].sampled is not None
+    assert interval is not None and found.loads[0].sample_ends is not None
     factors = interval.values["rms_height"]
     for number in (int(np.argmin(factors)), int(np.argmax(factors))):
         spectrum = TABLES["roughness"]["spectrum"] | {"rms_height": f"{0.5 * float(factors[number])} um"}

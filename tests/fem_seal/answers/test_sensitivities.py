@@ -269,7 +269,7 @@ def test_what_helps_and_is_not_enough_is_told_so(over, enough):
     result = rough_result()
     limit = max(load.leak.leak_rate for load in result.loads) / over
     asked = result.case.replace({"requirement.leak_rate": f"{limit} m^3/s"})
-    said = second_line(with_new_verdicts(replace(result, case=asked)).answered(sensitivities=(lever,)))
+    said = second_line(with_new_verdicts(replace(result, case=asked)).with_answers(sensitivities=(lever,)))
     assert "Largest effect" in said and ("not enough" in said) is not enough
 
 

@@ -246,7 +246,7 @@ def test_sealed_samples_are_counted_and_not_smoothed_over(monkeypatch):
     settings = Uncertainty(samples=256, hardness=TEN_PER_CENT, viscosity=TEN_PER_CENT)
     interval = leak_interval(result, settings)
     assert interval.runs == 256
-    np.testing.assert_allclose(interval.sealed, 0.5, atol=0.01)
+    np.testing.assert_allclose(interval.sealed_share, 0.5, atol=0.01)
     assert (interval.low == 0).all()
     assert (interval.high > 0).all()
     assert np.isnan(interval.shares).all()

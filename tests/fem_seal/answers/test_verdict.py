@@ -62,7 +62,7 @@ def with_ends(load, low, high):
 def with_worst(result, judged):
     """A judged result whose load that decides is judged like that."""
     of = replace(result.judgement, worst=judged)
-    return result.answered(verdict=replace(result.answers["verdict"], seal=of))
+    return result.with_answers(verdict=replace(result.answers["verdict"], seal=of))
 
 
 def required(result=None, missing=None, **table):
@@ -71,7 +71,7 @@ def required(result=None, missing=None, **table):
     changed = replace(result, case=result.case.replace({"requirement": table}))
     others = enumerate((missing or {}).items(), start=len(changed.loads))
     return with_new_verdicts(
-        replace(changed, not_calculated=tuple(MissingLoad(n, *point, one) for n, (point, one) in others))
+        replace(changed, missing_loads=tuple(MissingLoad(n, *point, one) for n, (point, one) in others))
     )
 
 
@@ -328,7 +328,7 @@ def test_of_loads_that_fail_the_surest_decides():
 def test_only_the_loads_that_are_asked_for_decide():
     opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
     result = required(missing=opened, leak_rate="1e-3 m^3/s", fluid_pressure=["2 bar", "5 bar"])
-    assert result.verdict == "pass" and result.judgement.judged == (0, 1)
+    assert result.verdict == "pass" and result.judgement.load_numbers == (0, 1)
     assert result.loads[2].verdict is None and result.loads[2].margin is None
     table = leak_table(result)
     assert table["verdict"].tolist() == ["pass", "pass", "", ""] and math.isnan(table["margin"].iloc[2])

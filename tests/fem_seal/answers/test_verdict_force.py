@@ -84,7 +84,7 @@ def test_what_a_drawing_leaves_open_is_in_the_force():
     for share, verdict in ((1.0, "pass"), (0.97, "pass unless")):
         under = verdict_under(of, share * found.force_for_verdict, limit)
         assert under.verdict == verdict
-        assert under.loads[0].sampled is not None
+        assert under.loads[0].sample_ends is not None
     told = f"from an applied force of {force_to_pass(found.force_for_verdict)} on"
     (line,) = [one for one in basis_lines(result) if "lets the verdict" in one or "verdict passes" in one]
     assert told in line

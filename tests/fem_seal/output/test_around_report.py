@@ -14,7 +14,7 @@ from around_results import oval_result, smooth_oval_result
 from sample_results import case, run_loads, single_result
 
 import fem_seal
-from fem_seal.answers.form import Allowed, _limit
+from fem_seal.answers.form import AllowedForm, _limit
 from fem_seal.contact.newton import solve
 from fem_seal.output.answers.form import (
     SHOWN,
@@ -210,11 +210,11 @@ def other_contact(result):
 
 def test_what_is_allowed_is_rounded_down():
     result = oval_result()
-    allowed = Allowed("target", 1e-6, 1.49, 5.06e-6, "radial", 15)
-    told = " ".join(page_of(result.answered(form=replace(result.form, allowed=allowed))).details)
+    allowed = AllowedForm("target", 1e-6, 1.49, 5.06e-6, "radial", 15)
+    told = " ".join(page_of(result.with_answers(form=replace(result.form, allowed=allowed))).details)
     assert "up to 1.4 times" in told and "tolerance of 5.0 µm" in told
     none = replace(allowed, zone=0.0)
-    told = " ".join(page_of(result.answered(form=replace(result.form, allowed=none))).details)
+    told = " ".join(page_of(result.with_answers(form=replace(result.form, allowed=none))).details)
     assert "No roundness tolerance on the drawing keeps the target" in told
 
 
@@ -237,8 +237,8 @@ def test_the_form_error_is_judged_by_what_the_case_requires():
     target = {"target_leak_rate": "2 ml/min"}
     assert asked(requirement={"leak_rate": "1 ml/min"}, load=target) == ("leak rate", millilitre)
     assert asked(load=target) == ("target", pytest.approx(2e-6 / 60))
-    allowed = Allowed("leak rate", 1e-6 / 60, 1.49, 5.06e-6, "radial", 15)
-    told = " ".join(page_of(result.answered(form=replace(result.form, allowed=allowed))).details)
+    allowed = AllowedForm("leak rate", 1e-6 / 60, 1.49, 5.06e-6, "radial", 15)
+    told = " ".join(page_of(result.with_answers(form=replace(result.form, allowed=allowed))).details)
     # 2 um from crest to valley along the normal, which leans by 45 deg, in radial direction
     assert (
         "tolerance of 5.0 µm on the drawing keeps the calculated leak rate within the required leak rate;"

@@ -65,7 +65,7 @@ def of_mesh(peak: float, fwhm: float, std: float, leak_rate: float):
     """A result as a mesh this bad would give it."""
     error, result = DiscretisationError(peak, fwhm, std, leak_rate), rough_result()
     loads = tuple(load.with_values(mesh_error=error) for load in result.loads)
-    return replace(result.answered(accuracy=replace(result.accuracy, error=error)), loads=loads)
+    return replace(result.with_answers(accuracy=replace(result.accuracy, error=error)), loads=loads)
 
 
 def all_words(result) -> str:

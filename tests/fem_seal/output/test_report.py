@@ -523,7 +523,7 @@ def test_the_force_for_the_target_is_that_of_the_load_that_needs_most():
 
 def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
     """212 N/mm over three times 200 MPa are 0.35 mm: far for an edge of 0.2 mm, little for one of 2 mm."""
-    load = Mock(line_load=212e3, sampled=None)
+    load = Mock(line_load=212e3, sample_ends=None)
     load.validity = Validity((remark("yield stress", Level.OUTSIDE, "seat yields"),))
     result = Mock(case=Mock(gasket=None))
     result.problem.materials = {"closure": Mock(yield_stress=None), "seat": Mock(yield_stress=200e6)}

@@ -116,8 +116,8 @@ def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
         assert isinstance(load.contact, ElastoplasticContact)
         assert load.contact_force == pytest.approx(contact.contact_force, rel=1e-14)
         assert load.contact.profile.pressure == pytest.approx(contact.profile.pressure, rel=1e-9)
-    assert result.unloaded is not None
-    ours, theirs = result.unloaded.imprints["seat"], path.unloaded_bodies.imprints["seat"]
+    assert result.unloaded_bodies is not None
+    ours, theirs = result.unloaded_bodies.imprints["seat"], path.unloaded_bodies.imprints["seat"]
     assert ours.depth == pytest.approx(theirs.depth, abs=1e-9 * theirs.deepest)
 
 
@@ -138,9 +138,11 @@ def test_a_coined_seat_is_wider_than_a_new_one(result: SealResult) -> None:
 
 def test_the_press_fit_is_no_imprint(result: SealResult) -> None:
     """The fit moves the whole face; the imprint is what the loads have added, next to nothing far from the contact."""
-    assert result.unloaded is not None
-    imprint = result.unloaded.imprints["seat"]
-    fit = result.model.seat.fem.normal_displacement(result.unloaded.initial_states["seat"].displacement)
+    assert result.unloaded_bodies is not None
+    imprint = result.unloaded_bodies.imprints["seat"]
+    fit = result.model.seat.fem.normal_displacement(
+        result.unloaded_bodies.initial_states["seat"].displacement
+    )
     assert np.abs(fit).min() > 3 * imprint.deepest
     assert abs(imprint.depth[[0, -1]]).max() < 0.15 * imprint.deepest
     assert 0 < imprint.width < 2 * result.loads[0].contact.profile.fwhm
@@ -152,9 +154,9 @@ def test_the_press_fit_is_no_imprint(result: SealResult) -> None:
 @pytest.mark.slow
 def test_unloaded_vtu_has_residual_stress_and_imprint(result: SealResult, folder: Path) -> None:
     pyvista = pytest.importorskip("pyvista")
-    assert result.unloaded is not None
+    assert result.unloaded_bodies is not None
     grid = pyvista.read(folder / "unloaded.vtu")
-    fields = result.unloaded.fields
+    fields = result.unloaded_bodies.fields
     closure, seat = fields["closure"], fields["seat"]
     assert isinstance(seat, ElastoplasticField)
     n = len(closure.points)
@@ -180,9 +182,9 @@ def test_loaded_files_have_plastic_strain_and_elastic_ones_do_not(folder: Path, 
 
 
 def test_imprint_csv(result: SealResult, folder: Path) -> None:
-    assert result.unloaded is not None
+    assert result.unloaded_bodies is not None
     table = pd.read_csv(folder / "imprint.csv")
-    imprint = result.unloaded.imprints["seat"]
+    imprint = result.unloaded_bodies.imprints["seat"]
     assert set(table.body) == {"seat"}
     assert table.x_m.to_numpy() == pytest.approx(imprint.x, rel=1e-9, abs=1e-15)
     assert table.depth_m.max() == pytest.approx(imprint.deepest, rel=1e-9)
@@ -292,13 +294,13 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
     proof: SealResult, monkeypatch: pytest.MonkeyPatch, share: float
 ) -> None:
     """Also for strains so small that per cent would need many digits."""
-    assert proof.unloaded is not None
-    state = proof.unloaded.states["seat"]
+    assert proof.unloaded_bodies is not None
+    state = proof.unloaded_bodies.states["seat"]
     less = replace(
         state, plastic=replace(state.plastic, accumulated_strain=share * state.plastic.accumulated_strain)
     )
-    unloaded = replace(proof.unloaded, states={"seat": less})
-    weaker = replace(proof, unloaded=unloaded)
+    unloaded = replace(proof.unloaded_bodies, states={"seat": less})
+    weaker = replace(proof, unloaded_bodies=unloaded)
     figure = drawn(monkeypatch, lambda: pictures_contact.imprint_picture(weaker))
     FigureCanvasAgg(figure).draw()
     _, view, scale = figure.axes

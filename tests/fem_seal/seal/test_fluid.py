@@ -127,7 +127,7 @@ def test_readable_leak_and_class():
     assert "ml/min" in leakage_text(load) and "drops/min" in leakage_text(load)
     assert [one.standard for one in leakage_classes(result.case, load)] == ["ISO 5208", "API 598", "FCI 70-2"]
     size = nominal_size(result.case)
-    assert size.estimated and size.size == 0.025
+    assert size.is_estimated and size.size == 0.025
     # no bore is given: what the size is taken from is the circle of contact, and is called so
     assert "estimated from the circle of first touch, 28.3 mm in diameter" in " ".join(
         leakage_lines(result.case, load, result.loads)

@@ -81,10 +81,10 @@ def test_the_bound_next_to_sealing_does_not_widen_samples():
     known = {
         "validity": Validity.of([near]),
         "leak_before_sealing": 40.0 * leak,
-        "unsealed": (math.inf, math.inf),
+        "unsealed_rates": (math.inf, math.inf),
     }
     for most, expected in ((2.0, 40.0), (90.0, 90.0)):
-        found = load.with_values(**known, sampled=Bounds(0.5 * leak, most * leak)).leak_interval
+        found = load.with_values(**known, sample_ends=Bounds(0.5 * leak, most * leak)).leak_interval
         assert found.high == pytest.approx(expected * leak, rel=1e-2)
         assert found.low == pytest.approx(0.5e-3 * leak, rel=1e-2)
 

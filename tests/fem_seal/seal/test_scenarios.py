@@ -6,7 +6,7 @@ import pytest
 from sample_results import rough_result
 
 from fem_seal.answers.case_load import case_loads
-from fem_seal.answers.form import _Formed
+from fem_seal.answers.form import _FormLoad
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
@@ -46,7 +46,7 @@ def test_a_further_reading_is_one_more_name(monkeypatch):
     assert third.rough.surface.yielding == "von-mises" and third.leak.leak_rate > 0
     rates = {one.leak.leak_rate for one in (load, *load.others.values())}
     assert load.leak_range == Bounds(min(rates), max(rates))
-    assert list(_Formed(load).others) == list(load.others)
+    assert list(_FormLoad(load).others) == list(load.others)
 
 
 def test_bounds_are_widened_and_back():

@@ -158,7 +158,7 @@ def test_samples_have_the_other_verdict_of_the_inputs_as_given():
         "uncertainty": {"samples": 64, "hardness": {"relative": 0.05}},
     }
     fails = fem_seal.run(example("ball_cone").replace({"leak.theory": "corrected", **required}))
-    assert fails.verdict == "fail" and fails.highest.sampled is not None
+    assert fails.verdict == "fail" and fails.highest.sample_ends is not None
     (remark,) = [one for one in basis_lines(fails) if "theory alone" in one]
     told = "With the inputs as stated it would be fail, and by the paper's theory alone inconclusive: "
     assert told in remark

@@ -55,7 +55,9 @@ def test_the_interval_lies_between_those_of_both_and_the_verdict_follows_it() ->
         assert low < load.leak.leak_rate < high
         assert min(one.leak_interval.low, other.leak_interval.low) < low
         assert high < max(one.leak_interval.high, other.leak_interval.high)
-        assert load.sampled.high == pytest.approx(0.5 * (one.sampled.high + other.sampled.high), rel=0.05)
+        assert load.sample_ends.high == pytest.approx(
+            0.5 * (one.sample_ends.high + other.sample_ends.high), rel=0.05
+        )
         assert load.judgement.ends == pytest.approx(load.leak_interval)
 
 

@@ -235,7 +235,7 @@ def test_a_leak_test_of_different_faces_is_one_of_their_mean() -> None:
     found = calibrate(asked(UNLIKE), readings)
     assert found.conflict is None and found.p_value > 0.05
     assert found.predictions[-1].prior[1] == pytest.approx(load.leak_rate_p50, rel=0.03)
-    assert found.judged is not None
+    assert found.solution is not None
 
 
 def test_a_gasket_opens_where_the_first_of_its_faces_does() -> None:
