@@ -238,7 +238,7 @@ def leakage_limits(
 
     Examples
     --------
-    >>> limits = {(one.standard, one.name): one.leak_rate for one in leakage_limits(0.025, gas=False)}
+    >>> limits = {(row.standard, row.name): row.leak_rate for row in leakage_limits(0.025, gas=False)}
     >>> f"{limits['ISO 5208', 'D'] * 1e9:.1f} mm^3/s"
     '2.5 mm^3/s'
     """
@@ -249,7 +249,7 @@ def leakage_limits(
         None if rated_capacity is None else positive(FluidError, "rated_capacity", rated_capacity, "m^3/s")
     )
     bubble = _bubble("API 598", bubble_volume)
-    rates = {"A": 0.0} | {name: 1e-9 * dn * both[gas] for name, both in _DATA["rates_of_iso_5208"].items()}
+    rates = {"A": 0.0} | {name: 1e-9 * dn * pair[gas] for name, pair in _DATA["rates_of_iso_5208"].items()}
     mss = (_MSS_GAS if gas else _MSS_LIQUID) * _inches(dn)
     return (
         *(LeakageLimit("ISO 5208", name, rate) for name, rate in rates.items()),
@@ -278,9 +278,9 @@ def standard_named(name: str) -> str | None:
     bare = re.sub(r"^ansi/|^din |[\s.-]", "", name.lower().split(":")[0])
     # which names the classes of the other
     bare = "en13555" if bare == "en15911" else bare
-    known = {re.sub(r"[\s-]", "", one.lower()): one for one in STANDARDS}
-    return known.get(bare) or next(
-        (full for short, full in known.items() if re.fullmatch(re.escape(short) + r"(19|20)\d\d", bare)), None
+    names = {re.sub(r"[\s-]", "", standard.lower()): standard for standard in STANDARDS}
+    return names.get(bare) or next(
+        (full for short, full in names.items() if re.fullmatch(re.escape(short) + r"(19|20)\d\d", bare)), None
     )
 
 
@@ -310,7 +310,7 @@ def classes_of(standard: str, *, gas: bool, rated_capacity: bool = True) -> tupl
         density=1.0,
         set_pressure=1e6,
     )
-    return tuple(one.name for one in limits if one.standard == standard)
+    return tuple(limit.name for limit in limits if limit.standard == standard)
 
 
 def closure_tests(standard: str, name: str, *, gas: bool) -> tuple[ClosureTest, ...]:
@@ -325,13 +325,13 @@ def closure_tests(standard: str, name: str, *, gas: bool) -> tuple[ClosureTest, 
 
     Examples
     --------
-    >>> [one.name for one in closure_tests("FCI 70-2", "V", gas=True)]
+    >>> [test.name for test in closure_tests("FCI 70-2", "V", gas=True)]
     ['test with water']
     """
     return tuple(
-        one
-        for one in STANDARDS[standard].tests
-        if (not one.classes or name in one.classes) and (one.gas == gas or not one.of_its_kind)
+        test
+        for test in STANDARDS[standard].tests
+        if (not test.classes or name in test.classes) and (test.gas == gas or not test.of_its_kind)
     )
 
 
@@ -379,8 +379,8 @@ def invisible_leak_rate(*, gas: bool, bubble_volume: float | None = None) -> flo
     return (_bubble("ISO 5208", bubble_volume) if gas else _DROPLET) / _LONGEST_TEST
 
 
-def _bubble(standard: str, given: float | None) -> float:
-    volume = STANDARDS[standard].bubble_volume if given is None else given
+def _bubble(standard: str, user_volume: float | None) -> float:
+    volume = STANDARDS[standard].bubble_volume if user_volume is None else user_volume
     return positive(FluidError, "bubble_volume", volume, "m^3")
 
 
@@ -417,7 +417,7 @@ def leakage_class(
 
     Examples
     --------
-    >>> [str(one) for one in leakage_class(1.2e-9, 0.025, gas=False, pressure_drop=20e5)]
+    >>> [str(row) for row in leakage_class(1.2e-9, 0.025, gas=False, pressure_drop=20e5)]
     ['ISO 5208 CC', 'API 598: no class met', 'FCI 70-2 V']
     >>> str(leakage_class(1.2e-9, 0.025, gas=False, highest=8e-9)[0])
     'ISO 5208 between CC and EE'
@@ -428,8 +428,8 @@ def leakage_class(
         highest = leak_rate
     if not highest >= leak_rate:
         raise FluidError(f"highest = {highest!r}: must not be below the leak rate {leak_rate!r} [m^3/s]")
-    unseen = invisible_leak_rate(gas=gas, bubble_volume=bubble_volume)
-    leak_rate, highest = (0.0 if one <= unseen else one for one in (leak_rate, highest))
+    invisible = invisible_leak_rate(gas=gas, bubble_volume=bubble_volume)
+    leak_rate, highest = (0.0 if rate <= invisible else rate for rate in (leak_rate, highest))
     limits = leakage_limits(
         nominal_size,
         gas=gas,
@@ -439,8 +439,8 @@ def leakage_class(
         bubble_volume=bubble_volume,
     )
     return tuple(
-        _tightest([one for one in limits if one.standard == standard], leak_rate, highest)
-        for standard in dict.fromkeys(one.standard for one in limits if one.standard in _ALWAYS_GRADED)
+        _tightest([limit for limit in limits if limit.standard == standard], leak_rate, highest)
+        for standard in dict.fromkeys(limit.standard for limit in limits if limit.standard in _ALWAYS_GRADED)
     )
 
 
@@ -467,13 +467,13 @@ def class_per_length(
     --------
     A gasket of helium, 0.167 kg/m^3, with 1e-7 mbar l/s on 126 mm:
 
-    >>> [str(one) for one in class_per_length(1e-8 / 101325, 0.126, density=0.167)]
+    >>> [str(row) for row in class_per_length(1e-8 / 101325, 0.126, density=0.167)]
     ['VDI 2440 TA Luft', 'EN 13555 L0.01']
     """
-    limits = [one for one in _limits_per_length(seal_length, density) if one.standard != "ISO 15848-1"]
+    limits = [limit for limit in _limits_per_length(seal_length, density) if limit.standard != "ISO 15848-1"]
     return tuple(
-        _tightest([one for one in limits if one.standard == standard], leak_rate, highest or leak_rate)
-        for standard in dict.fromkeys(one.standard for one in limits)
+        _tightest([limit for limit in limits if limit.standard == standard], leak_rate, highest or leak_rate)
+        for standard in dict.fromkeys(limit.standard for limit in limits)
     )
 
 
@@ -550,14 +550,14 @@ def read_nominal_size(text: str) -> float | None:
 
 def _tightest(limits: list[LeakageLimit], lowest: float, highest: float) -> LeakageClass:
     """Of the limits of one standard."""
-    at_best, claimed = (
-        min((one for one in limits if rate <= one.leak_rate), key=lambda one: one.leak_rate, default=None)
+    at_best, at_worst = (
+        min((row for row in limits if rate <= row.leak_rate), key=lambda row: row.leak_rate, default=None)
         for rate in (lowest, highest)
     )
-    standard, tighter = limits[0].standard, None if at_best is None or at_best == claimed else at_best.name
-    if claimed is None:
+    standard, tighter = limits[0].standard, None if at_best is None or at_best == at_worst else at_best.name
+    if at_worst is None:
         return LeakageClass(standard, None, None, tighter)
-    return LeakageClass(standard, claimed.name, claimed.leak_rate, tighter)
+    return LeakageClass(standard, at_worst.name, at_worst.leak_rate, tighter)
 
 
 def _api_limit(dn: float, bubble_volume: float | None) -> float:
@@ -593,9 +593,9 @@ def _class_six(bore: float) -> float | None:
         return rates[nearest] * 1e-6 / _MINUTE
     if bore > max(rates):
         return None
-    below, above = max(size for size in rates if size < bore), min(size for size in rates if size > bore)
-    share = (bore**2 - below**2) / (above**2 - below**2)
-    return (rates[below] + share * (rates[above] - rates[below])) * 1e-6 / _MINUTE
+    smaller, larger = max(size for size in rates if size < bore), min(size for size in rates if size > bore)
+    share = (bore**2 - smaller**2) / (larger**2 - smaller**2)
+    return (rates[smaller] + share * (rates[larger] - rates[smaller])) * 1e-6 / _MINUTE
 
 
 STANDARD_PRESSURE = 101325.0

@@ -167,8 +167,8 @@ def number_of(cell: str, *, commas: bool = False) -> float | None:
             return number_of(cell.replace(",", "."))
         if _FORTRAN.fullmatch(cell):
             return number_of(re.sub("[dD]", "e", cell))
-        nothing = not any(sign.isalnum() for sign in cell) or cell.lower() in _NOTHING
-        return math.nan if nothing else None
+        is_empty = not any(sign.isalnum() for sign in cell) or cell.lower() in _NOTHING
+        return math.nan if is_empty else None
     if "_" in cell:
         return None
     return number if math.isfinite(number) else math.nan
@@ -182,14 +182,14 @@ class _Layout:
     columns: int
     numeric: tuple[int, ...]
 
-    def row(self, line: str, begun: bool) -> list[float] | None:
+    def row(self, line: str, in_table: bool) -> list[float] | None:
         """Numbers of a line, NaN for texts; None if it is no row. One that ends early lacks its last numbers."""
         if line.startswith(COMMENTS):
             return None
         cells = cells_of(line, self.separator)
         if len(cells) > self.columns and not any(cells[self.columns :]):
             cells = cells[: self.columns]
-        if len(cells) > self.columns or (len(cells) < self.columns and not begun):
+        if len(cells) > self.columns or (len(cells) < self.columns and not in_table):
             return None
         row, commas = [math.nan] * self.columns, _may_be_decimal(line, self.separator)
         for place in self.numeric:
@@ -200,7 +200,7 @@ class _Layout:
                 return None
             row[place] = number
         # what begins with nothing is no row, but of one column
-        return None if math.isnan(row[self.numeric[0]]) and not (begun and self._is_lost(row)) else row
+        return None if math.isnan(row[self.numeric[0]]) and not (in_table and self._is_lost(row)) else row
 
     def _is_lost(self, row: Sequence[float]) -> bool:
         return self.columns == 1 or not all(map(math.isnan, row))
@@ -240,9 +240,9 @@ def read_tables(text: str) -> tuple[TextTable, ...]:
     sample = [line for _, line in lines[:_SAMPLE]]
     layouts = _layouts(sample)
     if not layouts:
-        header = any(len(cells_of(line, one)) > 1 for line in sample[-1:] for one in _SEPARATORS)
+        header = any(len(cells_of(line, separator)) > 1 for line in sample[-1:] for separator in _SEPARATORS)
         raise TableError("has a header but no rows of numbers" if header else "holds no columns of numbers")
-    tables = _split_tables(lines, max(layouts, key=lambda one: _rank(_split_tables(lines[:_SAMPLE], one))))
+    tables = _split_tables(lines, max(layouts, key=lambda way: _rank(_split_tables(lines[:_SAMPLE], way))))
     if not tables:
         raise TableError("holds no columns of numbers")
     return tables
@@ -262,23 +262,23 @@ def only_table(tables: Sequence[TextTable]) -> TextTable:
         If a line below the first row is no such row; NaN and infinity are no numbers.
     """
     table, *others = tables
-    lost = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
-    if lost.size:
-        wrong = table.lines[lost[0]], table.rows[lost[0]]
+    bad_rows = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
+    if bad_rows.size:
+        fault = table.lines[bad_rows[0]], table.rows[bad_rows[0]]
     elif table.stray or others:
-        wrong = table.stray or others[0].lines_above[-1]
+        fault = table.stray or others[0].lines_above[-1]
     else:
         return table
     columns, first = table.values.shape[1], table.lines[0]
-    like = "" if wrong[0] == first else f", like line {first}"
-    raise TableError(f'line {wrong[0]} ("{wrong[1][:40]}"): must hold {columns} finite numbers{like}')
+    like = "" if fault[0] == first else f", like line {first}"
+    raise TableError(f'line {fault[0]} ("{fault[1][:40]}"): must hold {columns} finite numbers{like}')
 
 
 def _rank(tables: Sequence[TextTable]) -> tuple[int, int, bool, int]:
     """Of several readings of a text that with the most rows; then fewest texts, with names, most columns."""
     if not tables:
         return 0, 0, False, 0
-    largest = max(tables, key=lambda one: len(one.rows))
+    largest = max(tables, key=lambda table: len(table.rows))
     columns = largest.values.shape[1]
     texts = int(np.isnan(largest.values).all(axis=0).sum())
     return len(largest.rows), -texts, bool(largest.header), columns
@@ -286,23 +286,21 @@ def _rank(tables: Sequence[TextTable]) -> tuple[int, int, bool, int]:
 
 def _layouts(sample: Sequence[str]) -> list[_Layout]:
     """The likeliest layout for each separator."""
-    found = []
+    layouts = []
     for separator in _SEPARATORS:
         numbers = [
             [number_of(cell, commas=_may_be_decimal(line, separator)) for cell in cells_of(line, separator)]
             for line in sample
             if not line.startswith(COMMENTS)
         ]
-        counted = Counter(
-            len(row) for row in numbers if any(one is not None and not math.isnan(one) for one in row)
-        )
-        if not counted:
+        counts = Counter(len(row) for row in numbers if any(x is not None and not math.isnan(x) for x in row))
+        if not counts:
             continue
-        columns = max(counted, key=lambda n: (counted[n], n))
+        columns = max(counts, key=lambda n: (counts[n], n))
         same = [
             row
             for row in numbers
-            if len(row) == columns and any(one is not None and not math.isnan(one) for one in row)
+            if len(row) == columns and any(x is not None and not math.isnan(x) for x in row)
         ]
         half = len(same) / 2
         numeric = tuple(
@@ -312,48 +310,48 @@ def _layouts(sample: Sequence[str]) -> list[_Layout]:
             and any(row[place] is not None and not math.isnan(row[place] or 0.0) for row in same)
         )
         if numeric:
-            found.append(_Layout(separator, columns, numeric))
-    return found
+            layouts.append(_Layout(separator, columns, numeric))
+    return layouts
 
 
 def _split_tables(lines: Sequence[tuple[int, str]], layout: _Layout) -> tuple[TextTable, ...]:
     """Tables of a layout: rows that follow each other, but for comments and what stands under a table."""
-    tables, between = list[TextTable](), list[tuple[int, str]]()
-    rows, kept, above = list[list[float]](), list[tuple[int, str]](), list[tuple[int, str]]()
+    tables, others = list[TextTable](), list[tuple[int, str]]()
+    rows, row_lines, heading = list[list[float]](), list[tuple[int, str]](), list[tuple[int, str]]()
 
     def close(last: bool = False) -> None:
         if rows:
-            header = _header([line for _, line in above], layout.columns)
+            header = _header([line for _, line in heading], layout.columns)
             values = np.array(rows)
-            numbers, texts = zip(*kept, strict=True)
+            numbers, texts = zip(*row_lines, strict=True)
             # over a next table stands whatever its program has to say
-            told = last or not _header([line for _, line in between], layout.columns)
-            stray = _stray(between, layout.separator) if told else None
-            tables.append(TextTable(header, values, numbers, tuple(above), texts, layout.separator, stray))
+            tells_stray = last or not _header([line for _, line in others], layout.columns)
+            stray = _stray(others, layout.separator) if tells_stray else None
+            tables.append(TextTable(header, values, numbers, tuple(heading), texts, layout.separator, stray))
 
     for number, line in lines:
-        row = layout.row(line, bool(rows) and not between)
+        row = layout.row(line, bool(rows) and not others)
         if row is None:
             # a comment between rows parts nothing
-            if not (rows and line.startswith(COMMENTS)) or between:
-                between.append((number, line))
+            if not (rows and line.startswith(COMMENTS)) or others:
+                others.append((number, line))
             continue
-        if between or not rows:
+        if others or not rows:
             close()
-            rows, kept, above, between = [], [], between, []
+            rows, row_lines, heading, others = [], [], others, []
         rows.append(row)
-        kept.append((number, line))
+        row_lines.append((number, line))
     close(last=True)
     return tuple(_without_empty(table) for table in tables)
 
 
-def _stray(between: Sequence[tuple[int, str]], separator: str | None) -> tuple[int, str] | None:
+def _stray(lines: Sequence[tuple[int, str]], separator: str | None) -> tuple[int, str] | None:
     """The first line that looks like a broken row, with a number in it."""
-    for number, line in between:
+    for number, line in lines:
         if line.startswith(COMMENTS) or _FOOTER.match(line):
             continue
         numbers = [number_of(cell, commas=True) for cell in cells_of(line, separator)]
-        if any(one is not None and not math.isnan(one) for one in numbers):
+        if any(value is not None and not math.isnan(value) for value in numbers):
             return number, line
     return None
 
@@ -370,16 +368,16 @@ def _without_empty(table: TextTable) -> TextTable:
     return replace(table, header=header, values=table.values[:, :columns])
 
 
-def _header(above: Sequence[str], columns: int) -> tuple[str, ...]:
+def _header(lines_above: Sequence[str], columns: int) -> tuple[str, ...]:
     """Names of the columns with their units; empty where no line above the rows has as many."""
-    lines = [line for line in above if not _RULE.match(line)][-_HEADER:]
+    lines = [line for line in lines_above if not _RULE.match(line)][-_HEADER:]
     for place in range(len(lines) - 1, -1, -1):
         names = _names(lines[place], columns)
         if not names:
             continue
-        over = _names(lines[place - 1], columns) if place else ()
-        if over and all(_UNIT_LINE.match(name) for name in names if name):
-            return tuple(f"{name} [{unit.strip('[]() ')}]" for name, unit in zip(over, names, strict=True))
+        top = _names(lines[place - 1], columns) if place else ()
+        if top and all(_UNIT_LINE.match(name) for name in names if name):
+            return tuple(f"{name} [{unit.strip('[]() ')}]" for name, unit in zip(top, names, strict=True))
         return names
     return ()
 
@@ -387,8 +385,8 @@ def _header(above: Sequence[str], columns: int) -> tuple[str, ...]:
 def _names(line: str, columns: int) -> tuple[str, ...]:
     """Names of a line that has so many, however they are separated; else none."""
     text = line.strip().lstrip("".join(COMMENTS)).strip()
-    whole = [[text]] if columns == 1 and not re.search(r"[;\t]", text) else []
-    for way in (*whole, *(re.split(between, text.rstrip(";,\t ")) for between in _BETWEEN_NAMES)):
+    single = [[text]] if columns == 1 and not re.search(r"[;\t]", text) else []
+    for way in (*single, *(re.split(separator, text.rstrip(";,\t ")) for separator in _BETWEEN_NAMES)):
         if len(way) == columns:
             return tuple(cell.strip().strip('"').strip() for cell in way)
     return ()

@@ -64,10 +64,10 @@ class PressedPatch(NamedTuple):
         """
         flow = periodic_flow if periodic else patch_flow
         p, gap = state.pressure, state.gap
-        wide = gap if flight is None else rarefied_gap(gap, flight)
-        yielded = 0.0 if hardness is None else float(np.mean(p >= hardness))
-        along, across = flow(wide).gap_cubed, flow(np.ascontiguousarray(wide.T)).gap_cubed
-        return cls(float(np.mean(p > 0.0)), yielded, float(gap.mean()), along, across)
+        widened = gap if flight is None else rarefied_gap(gap, flight)
+        plastic_share = 0.0 if hardness is None else float(np.mean(p >= hardness))
+        flow_x, flow_y = flow(widened).gap_cubed, flow(np.ascontiguousarray(widened.T)).gap_cubed
+        return cls(float(np.mean(p > 0.0)), plastic_share, float(gap.mean()), flow_x, flow_y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,10 +194,10 @@ def simulate(
         raise DirectError(
             f"pressures = {path.max():g} and hardness = {H:g}: a mean pressure must stay below the hardness [Pa]"
         )
-    back = None if unload is None else checked_pressures("unload", unload)
-    if back is not None and back.max() >= path.max():
+    back_path = None if unload is None else checked_pressures("unload", unload)
+    if back_path is not None and back_path.max() >= path.max():
         raise DirectError(
-            f"unload = {back.max():g}: must lie below the largest pressure, {path.max():g} [Pa]"
+            f"unload = {back_path.max():g}: must lie below the largest pressure, {path.max():g} [Pa]"
         )
     body = PeriodicHalfSpace(h.shape[0], L, E)
 
@@ -213,9 +213,9 @@ def simulate(
             rows[int(i)] = PressedPatch.of(state, hardness=H, periodic=periodic, flight=length)
         return DirectBranch(pressures, *np.array([rows[i] for i in range(pressures.size)]).T)
 
-    loaded = branch(h, path, np.argsort(path))
-    unloaded = None if back is None else branch(h - overlap, back, np.argsort(back)[::-1])
-    return DirectResult(**vars(loaded), unloaded=unloaded)
+    loading = branch(h, path, np.argsort(path))
+    unloading = None if back_path is None else branch(h - overlap, back_path, np.argsort(back_path)[::-1])
+    return DirectResult(**vars(loading), unloaded=unloading)
 
 
 def _map(heights: ArrayLike) -> FloatArray:

@@ -231,5 +231,5 @@ def rest_gap(gap: FloatArray, pressure: FloatArray, width: float, effective_modu
     0.0
     """
     body = PeriodicHalfSpace((len(gap), 1), width, effective_modulus)
-    rest = np.asarray(gap) - body.displacement(np.asarray(pressure, dtype=float)[:, None])[:, 0]
-    return np.asarray(rest - rest.min())
+    free_gap = np.asarray(gap) - body.displacement(np.asarray(pressure, dtype=float)[:, None])[:, 0]
+    return np.asarray(free_gap - free_gap.min())

@@ -371,16 +371,16 @@ class _Ring:
         head = np.concatenate([place[1:].ravel(), np.roll(place, -1, axis=1).ravel()])
         links = np.concatenate([x_links.ravel(), phi_links.ravel()])
         # Share of the drop counted from either side: each is exact next to its own.
-        share, rest, sides = _shares(tail, head, links, place)
+        share, outer, sides = _shares(tail, head, links, place)
         is_near = share < 0.5
-        drops = np.where(is_near[head] & is_near[tail], share[head] - share[tail], rest[tail] - rest[head])
+        drops = np.where(is_near[head] & is_near[tail], share[head] - share[tail], outer[tail] - outer[head])
         drop, step = abs(last - first), 2.0 * np.pi / k
         flow = float(np.sum(links * drops**2)) * step * drop if np.any(sides == 2) else 0.0
-        shares = np.where(sides > 0, np.where(is_near, share, 1.0 - rest), np.nan).reshape(m, k)
+        shares = np.where(sides > 0, np.where(is_near, share, 1.0 - outer), np.nan).reshape(m, k)
         return _Solution(
             flow,
             x_links[0] * share.reshape(m, k)[1] * drop,
-            x_links[-1] * rest.reshape(m, k)[-2] * drop,
+            x_links[-1] * outer.reshape(m, k)[-2] * drop,
             first + (last - first) * shares,
         )
 
@@ -405,13 +405,13 @@ def _shares(
     graph = coo_array((np.ones(i.size), (i, j)), shape=(place.size, place.size))
     group = connected_components(graph, directed=False)[1]
     from_first, from_last = group == group[place[0, 0]], group == group[place[-1, 0]]
-    share, rest = np.where(from_last & ~from_first, 1.0, 0.0), np.where(from_first & ~from_last, 1.0, 0.0)
-    share[place[-1]], rest[place[0]] = 1.0, 1.0
+    share, outer = np.where(from_last & ~from_first, 1.0, 0.0), np.where(from_first & ~from_last, 1.0, 0.0)
+    share[place[-1]], outer[place[0]] = 1.0, 1.0
     sides = from_first.astype(np.intp) + from_last
     unknown = sides == 2
     unknown[place[[0, -1]].ravel()] = False
     if not unknown.any():
-        return share, rest, sides
+        return share, outer, sides
     number = np.cumsum(unknown) - 1
     i, j = np.concatenate([tail, head]), np.concatenate([head, tail])
     all_links = np.concatenate([links, links])
@@ -424,13 +424,13 @@ def _shares(
     ends = np.concatenate([numbers, rows]), np.concatenate([numbers, columns])
     matrix = coo_array((values, ends), shape=(numbers.size, numbers.size)).tocsc()
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    for part in (share, rest):
+    for part in (share, outer):
         for _ in range(1 + _REFINEMENTS):
             flows = links * (part[head] - part[tail])
             into = np.bincount(tail, flows, place.size) - np.bincount(head, flows, place.size)
             part[unknown] += scale * factors.solve(scale * into[unknown])
         np.clip(part, 0.0, 1.0, out=part)
-    return share, rest, sides
+    return share, outer, sides
 
 
 def _harmonic_mean(values: FloatArray) -> FloatArray:

@@ -263,8 +263,8 @@ class ContactProfile:
         first, *others = self.patches
         if others or first.x.size != self.x.size:
             return False
-        rise, below = np.abs(first.log_p[1:] - first.log_p[:-1]), first.log_p.max() - first.log_p
-        return bool((rise <= _CLOSE * np.exp(np.minimum(below[1:], below[:-1]) / _FURTHER)).all())
+        rise, depth = np.abs(first.log_p[1:] - first.log_p[:-1]), first.log_p.max() - first.log_p
+        return bool((rise <= _CLOSE * np.exp(np.minimum(depth[1:], depth[:-1]) / _FURTHER)).all())
 
     def _tail_panel(self, end: int, outward: float) -> Panels | None:
         """From an end to infinity, or to where the face ends, over d = scale s/(1-s).
@@ -327,8 +327,8 @@ def _edge(x: FloatArray, log_p: FloatArray, zero: float, end: int) -> float:
     parabola = np.polynomial.Polynomial.fit((xs - xs[0]) / span, squares, 2, domain=[-1, 1], window=[-1, 1])
     roots = parabola.roots()
     real = np.sort(roots[np.isreal(roots)].real) if roots.size else roots.real
-    inside = real[(real > 1e-3) & (real <= 1.0)]
-    return float(xs[0] + span * inside[0]) if inside.size else float(zero)
+    roots = real[(real > 1e-3) & (real <= 1.0)]
+    return float(xs[0] + span * roots[0]) if roots.size else float(zero)
 
 
 def law_bends(p: FloatArray, gap: FloatArray) -> tuple[float, float]:

@@ -225,8 +225,8 @@ class SinusoidalGroove:
         """K of a rarefied gas, see `EllipticGroove.gas_conductance` [m^4/(Pa s)]."""
         gap, weight = self._gaps(pressure, effective_modulus)
         D = _inverse_knudsen(gap, gas, np.asarray(gas_pressure, dtype=float)[..., None])
-        cubed = gap**3 * flow_factor(D)
-        return np.asarray((weight * cubed).sum(axis=-1) / (12.0 * gas.viscosity))
+        gap_cubed = gap**3 * flow_factor(D)
+        return np.asarray((weight * gap_cubed).sum(axis=-1) / (12.0 * gas.viscosity))
 
     def _share(self, pressure: ArrayLike, effective_modulus: float) -> FloatArray:
         """s = p/p*, between zero and one."""

@@ -615,13 +615,13 @@ def _resistance_with_gains(
     potential = potentials(resistance, np.add.reduceat(resistance, begin))
     last_sum, roots, steps = math.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
     for _ in range(_MOST_SWEEPS):
-        scaled = resistance / gain(permeant.flow_pressure(potential))
-        stretches = np.add.reduceat(scaled, begin)
+        over_gain = resistance / gain(permeant.flow_pressure(potential))
+        stretches = np.add.reduceat(over_gain, begin)
         total = float(stretches.sum())
         if abs(total / last_sum - 1.0) < _TOLERANCE:
             return stretches
         last_sum = total
-        root = np.sqrt(potentials(scaled, stretches))
+        root = np.sqrt(potentials(over_gain, stretches))
         roots = np.concatenate([roots[-_HISTORY:], [root]])
         steps = np.concatenate([steps[-_HISTORY:], [root - np.sqrt(potential)]])
         potential = np.minimum(np.maximum((mixing_weights(steps) @ roots) ** 2, low), high)
@@ -718,7 +718,7 @@ def gas_through_gap(resistance: float, gap: float, gas: Gas, high: float, low: f
     --------
     >>> import leak
     >>> helium = leak.gas("helium")
-    >>> dense, thin = (gas_through_gap(1e15, one, helium, 2e5, 1e5) for one in (1e-4, 1e-6))
+    >>> dense, thin = (gas_through_gap(1e15, u, helium, 2e5, 1e5) for u in (1e-4, 1e-6))
     >>> dense < thin < 3.0 * dense
     True
     """

@@ -103,7 +103,7 @@ class LeakResult:
             mass_flow=times(self.mass_flow),
             throughput=times(self.throughput),
             standard_leak_rate=times(self.standard_leak_rate),
-            lands=tuple(one._replace(leak_rate=share * one.leak_rate) for one in self.lands),
+            lands=tuple(land._replace(leak_rate=share * land.leak_rate) for land in self.lands),
         )
 
 
@@ -320,7 +320,7 @@ def gas_inertia(
     True
     """
     p = np.asarray(gas_pressure, dtype=float)
-    r, u = (np.broadcast_to(np.asarray(one, dtype=float), p.shape) for one in (radius, gap))
+    r, u = (np.broadcast_to(np.asarray(values, dtype=float), p.shape) for values in (radius, gap))
     RT = gas.specific_gas_constant * gas.temperature
     D = gas.flow_pressure(p) * u / (gas.viscosity * gas.molecular_speed)
     dense = np.isfinite(u) & (D > 1.0)

@@ -159,8 +159,8 @@ class _Medium(NamedTuple):
                 raise ConductivityError(
                     f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]"
                 )
-            mirrored = None if near is None else DirectionalGap(near.across, near.along)
-            across, along = self.gaps(n, 1.0 / gamma, mirrored)
+            turned_guess = None if near is None else DirectionalGap(near.across, near.along)
+            across, along = self.gaps(n, 1.0 / gamma, turned_guess)
             return DirectionalGap(along, across)
         k, log_gamma, contact, shape = n - 1.0, np.log(gamma), self.contact, self.contact.shape
         open_area = self.weight.sum(axis=-1) + self.wide_open
@@ -210,10 +210,11 @@ class _Medium(NamedTuple):
         A/B rises with ln s, by exactly ln s for a single sigma and never faster: Newton's method needs a few steps from
         anywhere, the last of which is shorter than `close`. Where the contact has percolated the root is the lower end.
         """
-        low, high, weight, flowing = self.lowest, self.highest, self.weight, self.flow_weight
+        low, high, weight, flow_weight = self.lowest, self.highest, self.weight, self.flow_weight
         all_weight = weight.sum(axis=-1)
-        most_open, wide = k * (all_weight + self.wide_open), k * self.wide_open
-        flow_area, block_area = most_open - self.contact, np.maximum(all_weight + self.contact - wide, 1e-300)
+        most_open, wide_k = k * (all_weight + self.wide_open), k * self.wide_open
+        flow_area = most_open - self.contact
+        block_area = np.maximum(all_weight + self.contact - wide_k, 1e-300)
         open_row = flow_area > 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
             target = np.log(flow_area / block_area)
@@ -222,8 +223,8 @@ class _Medium(NamedTuple):
                 ks = k * np.exp(guess)
                 inverse = self.sigma + ks[:, None]
                 np.reciprocal(inverse, out=inverse)
-                A, B = ks * np.vecdot(weight, inverse), np.vecdot(flowing, inverse)
-                X = ks * np.vecdot(flowing, np.square(inverse, out=inverse))
+                A, B = ks * np.vecdot(weight, inverse), np.vecdot(flow_weight, inverse)
+                X = ks * np.vecdot(flow_weight, np.square(inverse, out=inverse))
                 excess, slope = np.log(A / B) - target, X * (1.0 / A + 1.0 / B)
                 newton = guess - excess / slope
                 low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
@@ -234,7 +235,7 @@ class _Medium(NamedTuple):
                 if step <= close:
                     break
             # the logarithm of A/B rises with ln k as with ln s, the target by this
-            by_log_k = most_open / flow_area + wide / block_area
+            by_log_k = most_open / flow_area + wide_k / block_area
             return guess, np.where(open_row, np.maximum(by_log_k / slope - 1.0, 0.0), 0.0)
 
 
@@ -314,7 +315,7 @@ _BATCH = 8
 
 
 def effective_gap(
-    lost: LostArea, rms_height: float, n: float, aspect: float | FloatArray = 1.0, *, refinement: float = 1.0
+    loss: LostArea, rms_height: float, n: float, aspect: float | FloatArray = 1.0, *, refinement: float = 1.0
 ) -> FloatArray:
     """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m].
 
@@ -326,11 +327,11 @@ def effective_gap(
     B. Lorenz, B. N. J. Persson, Eur. Phys. J. E 31, 159 (2010); W. B. Dapp et al., Phys. Rev. Lett. 108, 244301
     (2012).
     """
-    return anisotropic_medium(*_gaps(lost, rms_height, refinement), n, aspect).along
+    return anisotropic_medium(*_gaps(loss, rms_height, refinement), n, aspect).along
 
 
 def effective_gaps(
-    lost: LostArea,
+    loss: LostArea,
     rms_height: float,
     n: float,
     aspect: float | FloatArray,
@@ -343,7 +344,7 @@ def effective_gaps(
     The latter is the uniform gap that would let as much through without rarefaction: the effective medium over the
     local conductivity u^3 f(u/l), f of `leak.flow.rarefied.flow_factor`, at lengths of flight l = eta v0/p_f.
     """
-    gaps = _gaps(lost, rms_height, refinement)
+    gaps = _gaps(loss, rms_height, refinement)
     continuum = anisotropic_medium(*gaps, n, aspect)
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
     # about as much is let through as through the gap of the continuum alone, and as much more along as across
@@ -383,25 +384,25 @@ class _Gaps(NamedTuple):
     wide_open: FloatArray
 
 
-def _gaps(lost: LostArea, rms_height: float, refinement: float) -> _Gaps:
-    height = _grid_height(lost, rms_height)
-    grid = SeparationGrid.of(lost.mean_separation, height, count=round(_GRID_POINTS * refinement))
-    weight = density(lost, grid.separation) * grid.weight
+def _gaps(loss: LostArea, rms_height: float, refinement: float) -> _Gaps:
+    height = _grid_height(loss, rms_height)
+    grid = SeparationGrid.of(loss.mean_separation, height, count=round(_GRID_POINTS * refinement))
+    weight = density(loss, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
-    wide_open = folded_above(lost, grid.separation[:, -1])
+    wide_open = folded_above(loss, grid.separation[:, -1])
     contact = np.maximum(1.0 - weight.sum(axis=1) - wide_open, 0.0)
     return _Gaps(grid.separation, weight, contact, wide_open)
 
 
-def _grid_height(lost: LostArea, rms_height: float) -> FloatArray:
+def _grid_height(loss: LostArea, rms_height: float) -> FloatArray:
     """Height that decides where the grid is fine, shape (P,) [m].
 
     The rms height of the whole spectrum, but where little of it is left after plastic smoothing, twice the spread of
     P(u): steps of the grid that are small against the former would not see so narrow a distribution.
     """
-    share = np.maximum(lost.weight.sum(axis=1), 1e-300)
-    mean = lost.mean_separation
-    second = (lost.weight * (lost.separation**2 + lost.width**2)).sum(axis=1) / share
+    share = np.maximum(loss.weight.sum(axis=1), 1e-300)
+    mean = loss.mean_separation
+    second = (loss.weight * (loss.separation**2 + loss.width**2)).sum(axis=1) / share
     std = np.sqrt(np.maximum(second - (mean / share) ** 2, 0.0))
     is_narrow = (std > 0.0) & (std < _NARROW_SHARE * np.minimum(mean, rms_height))
     return np.where(is_narrow, 2.0 * std, rms_height)
@@ -434,25 +435,25 @@ def area_argument_at(relative_area: float) -> float:
     return float(erfinv(relative_area))
 
 
-def _elastic_moment(roughness: Roughness, remaining: FloatArray) -> FloatArray:
+def _elastic_moment(roughness: Roughness, moment: FloatArray) -> FloatArray:
     """Elastic moment M at which the remaining moment has a given value, by bisection in ln M (it rises with M)."""
     if not roughness.kappa:
-        return remaining
-    ends = np.log(remaining), np.full(remaining.shape, np.log(roughness.end))
-    low, high = bisect_roots(lambda log_M: roughness.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
+        return moment
+    ends = np.log(moment), np.full(moment.shape, np.log(roughness.end))
+    low, high = bisect_roots(lambda log_M: roughness.moment(np.exp(log_M)[:, None])[:, 0] < moment, *ends)
     # the exponential of a logarithm may lie above the end by a rounding, where there is no spectrum
     return np.minimum(np.exp(0.5 * (low + high)), roughness.end)
 
 
-def folded_above(lost: LostArea, u: FloatArray) -> FloatArray:
+def folded_above(loss: LostArea, u: FloatArray) -> FloatArray:
     """Area with a separation above u, shape (P,)."""
     from scipy.special import erfc
 
-    scale = np.sqrt(0.5) / lost.width
+    scale = np.sqrt(0.5) / loss.width
     shares = 0.5 * (
-        erfc((u[:, None] - lost.separation) * scale) + erfc((u[:, None] + lost.separation) * scale)
+        erfc((u[:, None] - loss.separation) * scale) + erfc((u[:, None] + loss.separation) * scale)
     )
-    return (lost.weight * shares).sum(axis=1)
+    return (loss.weight * shares).sum(axis=1)
 
 
 # Fitted to half of the direct results: how much more of endless ridges touches where little does. The fit gives an
@@ -568,11 +569,11 @@ def corrected_area(argument: ArrayLike) -> FloatArray:
     return np.asarray(erf(0.5 * np.exp(-0.5 * _variance().value(log_variance))))
 
 
-def argument_at(corrected: float) -> float:
+def argument_at(area: float) -> float:
     """z at which the corrected A/A0 has a value between 0 and 1 [-]."""
     from scipy.special import erfinv
 
-    log_variance = -np.log(4.0) - 2.0 * np.log(float(erfinv(corrected)))
+    log_variance = -np.log(4.0) - 2.0 * np.log(float(erfinv(area)))
     return float(0.5 * np.exp(-0.5 * _variance().inverse(np.asarray(log_variance))))
 
 
@@ -592,14 +593,14 @@ def _broaden_variance(log_variance: FloatArray) -> FloatArray:
     return _G + (1.0 - _G) * erf(0.5 * np.exp(-0.5 * log_variance)) ** 2
 
 
-def closed_share(corrected: ArrayLike) -> FloatArray:
+def closed_share(area: ArrayLike) -> FloatArray:
     """Weight of the closed law beside the effective medium at a corrected A/A0: 0 to 0.15, 1 from 0.25 on."""
-    t = np.clip((np.asarray(corrected, dtype=float) - _FROM) / (_TO - _FROM), 0.0, 1.0)
+    t = np.clip((np.asarray(area, dtype=float) - _FROM) / (_TO - _FROM), 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
 def near_threshold(
-    effective: FloatArray, mean_separation: FloatArray, corrected: FloatArray, percolation_threshold: float
+    effective: FloatArray, mean_separation: FloatArray, area: FloatArray, percolation_threshold: float
 ) -> FloatArray:
     """u_eff of the effective medium that goes over into the closed law, shape (P,) [m].
 
@@ -612,15 +613,15 @@ def near_threshold(
         u_eff of the effective medium, shape (P,) [m].
     mean_separation : ndarray
         ubar, shape (P,) [m].
-    corrected : ndarray
+    area : ndarray
         A/A0, shape (P,) [-].
     percolation_threshold : float
         a_c [-].
     """
-    open_share = np.maximum(1.0 - corrected / percolation_threshold, 0.0)
+    open_share = np.maximum(1.0 - area / percolation_threshold, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         log_closed = (np.log(_PREFACTOR) + _EXPONENT * np.log(open_share)) / 3.0 + np.log(mean_separation)
         log_ratio = 3.0 * (log_closed - np.log(effective))
         log_limited = np.where(log_ratio > 0.0, _MOST_ABOVE * np.tanh(log_ratio / _MOST_ABOVE), log_ratio)
-        u = effective * np.exp(closed_share(corrected) * log_limited / 3.0)
+        u = effective * np.exp(closed_share(area) * log_limited / 3.0)
     return np.where(open_share > 0.0, u, 0.0)

@@ -162,8 +162,8 @@ class _Network:
 
     def divergence(self, flows: FloatArray) -> FloatArray:
         """What flows out of each node, flows counted from head to tail."""
-        into, away = (np.bincount(ends, flows, self.count) for ends in (self.head, self.tail))
-        return np.asarray(into - away, dtype=float)
+        inflow, outflow = (np.bincount(ends, flows, self.count) for ends in (self.head, self.tail))
+        return np.asarray(inflow - outflow, dtype=float)
 
     def is_connected(self, open_slices: BoolArray) -> bool:
         """Whether some way through open slices leads from end to end."""
@@ -183,9 +183,9 @@ class _Network:
         ends = p[self.lines[0].nodes[[0, -1]]]
         return float(np.sum(c * self.drops(p) ** 2) / abs(ends[1] - ends[0]))
 
-    def linear(self, c: FloatArray, held: FloatArray) -> FloatArray:
-        """Pressures for given conductances; those of the ends are in `held`."""
-        p = np.where(self.inner, 0.0, held)
+    def linear(self, c: FloatArray, end_pressures: FloatArray) -> FloatArray:
+        """Pressures for given conductances; those of the ends are in `end_pressures`."""
+        p = np.where(self.inner, 0.0, end_pressures)
         # twice: where slices are 1e18 times as open as others, the first solution leaves 1e-11 of the drop to wide open
         # ones, and that would count in the flow
         for _ in range(2):
@@ -202,13 +202,13 @@ class _Network:
             mean, tail, head = c + least
             step = self.solve(tail, head, -self.divergence(mean * self.drops(p)))
             new = np.clip(p + step, low, high)
-            moved, before = float(np.abs(new - p).max()), flow
-            if moved <= _LEAST_STEP * (high - low):
+            change, last_flow = float(np.abs(new - p).max()), flow
+            if change <= _LEAST_STEP * (high - low):
                 break
             p = new
             c = self.conductances(p)
             flow = self.flow(c[0] + least, p)
-            if moved <= _STEP_TOLERANCE * (high - low) and abs(flow - before) <= _FLOW_TOLERANCE * flow:
+            if change <= _STEP_TOLERANCE * (high - low) and abs(flow - last_flow) <= _FLOW_TOLERANCE * flow:
                 break
         else:
             return False, p, self.flow(c[0], p)

@@ -81,9 +81,9 @@ class GapDistribution:
             Increasing [Pa].
         """
         p = np.atleast_1d(np.asarray(pressure, dtype=float))
-        lost = surface.lost_area(p)
-        grid = SeparationGrid.of(lost.mean_separation, surface.spectrum.rms_height, count=_GRID_POINTS)
-        weight, u = density(lost, grid.separation) * grid.weight, grid.separation
+        loss = surface.lost_area(p)
+        grid = SeparationGrid.of(loss.mean_separation, surface.spectrum.rms_height, count=_GRID_POINTS)
+        weight, u = density(loss, grid.separation) * grid.weight, grid.separation
         middle = 0.5 * (u[:, 1:] + u[:, :-1])
         edges = np.concatenate([np.zeros((p.size, 1)), middle, u[:, -1:]], axis=1)
         contact = np.maximum(1.0 - weight.sum(axis=1), 0.0)
@@ -179,8 +179,8 @@ class ShutConductivityTable(ConductivityTable):
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero where nothing flows."""
         x = np.asarray(log_pressure, dtype=float)
-        missing = np.maximum(np.interp(x, self.log_pressure, self.missing_share), 0.0)
-        share = np.minimum(np.interp(x, self.log_pressure, self.remaining_share) * missing, 1.0)
+        missing_area = np.maximum(np.interp(x, self.log_pressure, self.missing_share), 0.0)
+        share = np.minimum(np.interp(x, self.log_pressure, self.remaining_share) * missing_area, 1.0)
         return super().at_log_pressure(x) * np.cbrt(share)
 
 
@@ -233,16 +233,16 @@ def shut_conductivity(
         return replace(table, liquid=shut_conductivity(table.liquid, surface, size))
     gaps = _gaps(surface, table.p_max)
     # toward the threshold the share falls like the area that is missing to it; what is left of it is smooth
-    missing = 1.0 - gaps.area_below(size) / gaps.percolation_threshold
-    share, flows = gaps.remaining_share(size), missing > 0.0
+    missing_area = 1.0 - gaps.area_below(size) / gaps.percolation_threshold
+    share, flows = gaps.remaining_share(size), missing_area > 0.0
     smooth = np.zeros(share.shape)
-    smooth[flows] = share[flows] / missing[flows]
+    smooth[flows] = share[flows] / missing_area[flows]
     if flows.any():
         smooth[~flows] = smooth[flows][-1]
     return ShutConductivityTable(
         **{entry.name: getattr(table, entry.name) for entry in fields(ConductivityTable)},
         log_pressure=np.log(gaps.pressure),
-        missing_share=missing,
+        missing_share=missing_area,
         remaining_share=smooth,
     )
 

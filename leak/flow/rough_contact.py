@@ -136,12 +136,12 @@ class RoughContact:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
         if self.theory not in READINGS:
             raise SurfaceError(f"theory = {self.theory!r}: must be one of {tuple(READINGS)}")
-        allowed = tuple(map(str, READINGS[self.theory]))
+        names = tuple(map(str, READINGS[self.theory]))
         if not self.yielding:
-            object.__setattr__(self, "yielding", allowed[0])
-        if self.yielding not in allowed:
+            object.__setattr__(self, "yielding", names[0])
+        if self.yielding not in names:
             raise SurfaceError(
-                f"yielding = {self.yielding!r}: must be one of {allowed} with theory = {self.theory!r}"
+                f"yielding = {self.yielding!r}: must be one of {names} with theory = {self.theory!r}"
             )
         medium.dimension_number(self.percolation_threshold)
         if not 0.0 < self.gamma <= 1.0:
@@ -479,15 +479,15 @@ class RoughContact:
         p = np.array([positive(SurfaceError, "pressure", pressure, "Pa")])
         if self.hardness is not None and p[0] >= self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
-        lost = self.lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
+        loss = self.lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
         if separation is None:
             height = self.spectrum.rms_height
-            u = SeparationGrid.of(lost.mean_separation, height, count=1024).separation
+            u = SeparationGrid.of(loss.mean_separation, height, count=1024).separation
         else:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
         order = u[0].argsort()
         P = np.empty(order.size)
-        P[order] = density(lost, u[:, order])[0]
+        P[order] = density(loss, u[:, order])[0]
         return u[0], P
 
     def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> LostArea:
@@ -588,9 +588,9 @@ class RoughContact:
         u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
         for part in _parts(np.arange(pressure.size)):
             equivalent = self.equivalent_pressure(pressure[part])
-            lost, aspect = self._channels(equivalent, self._roughness_at(equivalent), refinement)
+            loss, aspect = self._channels(equivalent, self._roughness_at(equivalent), refinement)
             u[part], gas = medium.effective_gaps(
-                lost, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
+                loss, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
             )
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_R[part] = 3.0 * np.log(gas / u[part, None]) - log_flow_factor(log_inverse_knudsen)
@@ -653,8 +653,8 @@ class RoughContact:
         def excess(log_odds: float) -> float:
             """All but straight in ln(s/(1 - s)), s = p/hardness: C_pl keeps all at a small s, (1 - s)^2 toward one."""
             s = 1.0 / (1.0 + math.exp(-log_odds))
-            rest = remaining_moment(s, kappa, self.spectrum.last_moment)
-            return math.log(s * hardness / (z * self.effective_modulus)) - 0.5 * math.log(math.pi * rest)
+            moment = remaining_moment(s, kappa, self.spectrum.last_moment)
+            return math.log(s * hardness / (z * self.effective_modulus)) - 0.5 * math.log(math.pi * moment)
 
         log_odds = math.log(top_share / (1.0 - top_share))
         ends, start = (log_odds - _SEALING_RANGE, log_odds), min(log_odds, _USUAL_ODDS)
@@ -746,9 +746,9 @@ class RoughContact:
             )
 
     def _effective_separation(self, p: FloatArray, roughness: Roughness, refinement: float) -> FloatArray:
-        lost, aspect = self._channels(p, roughness, refinement)
+        loss, aspect = self._channels(p, roughness, refinement)
         n = medium.dimension_number(self.percolation_threshold)
-        return medium.effective_gap(lost, self.spectrum.rms_height, n, aspect, refinement=refinement)
+        return medium.effective_gap(loss, self.spectrum.rms_height, n, aspect, refinement=refinement)
 
     def _channels(
         self, p: FloatArray, roughness: Roughness, refinement: float
@@ -769,9 +769,9 @@ class RoughContact:
         return of_theory(self.peklenik, share)
 
     def _near_threshold(self, p: FloatArray, roughness: Roughness, refinement: float) -> FloatArray:
-        lost = self._lost_area(p, roughness, refinement)
+        loss = self._lost_area(p, roughness, refinement)
         n = medium.dimension_number(self.percolation_threshold)
-        u = medium.effective_gap(lost, self.spectrum.rms_height, n, refinement=refinement)
+        u = medium.effective_gap(loss, self.spectrum.rms_height, n, refinement=refinement)
         mean = self._mean(p, roughness).mean[:, 0]
         return medium.near_threshold(u, mean, self._corrected_area(p, roughness), self.percolation_threshold)
 
@@ -899,9 +899,9 @@ class _Range:
         margin = _CLOSEST_TO_POWER if method == "threshold-law" else _CLOSEST_TO_SEALING
         top = min(p_max, (1.0 - margin) * sealing_pressure)
         fine = np.linspace(np.log(min(p_min, 1e-3 * top)), np.log(top), 3200)
-        below = fine[0] - _LOG_STEPS_BELOW
-        below = below[below > np.log(1e-60 * surface.effective_modulus)]
-        return cls(sealing_pressure, fine, below, method, min(p_max, sealing_pressure))
+        log_p_below = fine[0] - _LOG_STEPS_BELOW
+        log_p_below = log_p_below[log_p_below > np.log(1e-60 * surface.effective_modulus)]
+        return cls(sealing_pressure, fine, log_p_below, method, min(p_max, sealing_pressure))
 
     @cached_property
     def _abscissa(self) -> FloatArray:

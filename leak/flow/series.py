@@ -50,7 +50,7 @@ class SeriesContact:
 
 
 def in_series(
-    contacts: Sequence[SeriesContact], inner: float, outer: float, given: Sequence[float | None]
+    contacts: Sequence[SeriesContact], inner: float, outer: float, fixed_pressures: Sequence[float | None]
 ) -> LeakResult:
     """Leak of contacts in series.
 
@@ -60,7 +60,7 @@ def in_series(
         From the axis outwards; one at least touches.
     inner, outer : float
         Pressures at both ends, the lower one zero [Pa].
-    given : sequence of float or None
+    fixed_pressures : sequence of float or None
         Pressure in each chamber, one less than there are contacts [Pa]: zero in one that is vented, None where it
         follows from the flow.
 
@@ -89,8 +89,8 @@ def in_series(
     if not touches:
         raise ProfileError("no land touches: the seal is open")
     # chambers that an open land does not part are one, and those beside an end belong to it
-    chambers = [_chamber_pressures(given[begin:end]) for begin, end in pairwise(touches)]
-    for end, part in ((inner, given[: touches[0]]), (outer, given[touches[-1] :])):
+    chambers = [_chamber_pressures(fixed_pressures[begin:end]) for begin, end in pairwise(touches)]
+    for end, part in ((inner, fixed_pressures[: touches[0]]), (outer, fixed_pressures[touches[-1] :])):
         _chamber_pressures([end, *part])
     pressures = chamber_pressures([contacts[n].flow for n in touches], inner, outer, chambers)
     pressure = [inner, *pressures.tolist(), outer]
@@ -104,7 +104,7 @@ def in_series(
     lands = []
     for n, contact in enumerate(contacts):
         k = int(np.searchsorted(touches, n))
-        passes = _flow_outwards(n, touches, outwards, given)
+        passes = _flow_outwards(n, touches, outwards, fixed_pressures)
         lands.append(LandFlow(pressure[k], pressure[k + (n in touches)], abs(passes)))
         parts.setdefault(n, np.full(contact.points, pressure[k]))
     # what arrives at places without pressure
@@ -121,7 +121,7 @@ def in_series(
 
 
 def chamber_pressures(
-    flows: Sequence[Flow], inner: float, outer: float, given: Sequence[float | None]
+    flows: Sequence[Flow], inner: float, outer: float, fixed_pressures: Sequence[float | None]
 ) -> FloatArray:
     """Pressures in the chambers between contacts in series.
 
@@ -132,7 +132,7 @@ def chamber_pressures(
         negative inwards, it rises with the former.
     inner, outer : float
         Pressures at both ends [Pa].
-    given : sequence of float or None
+    fixed_pressures : sequence of float or None
         Pressure in each chamber, one less than there are contacts; None where it follows from the flow [Pa].
 
     Returns
@@ -153,7 +153,7 @@ def chamber_pressures(
     >>> f"{chamber_pressures(resistances, 4e5, 0.0, [None])[0]:.6f}"
     '100000.000000'
     """
-    ends = [inner, *given, outer]
+    ends = [inner, *fixed_pressures, outer]
     places = [n for n, p in enumerate(ends) if p is not None]
     pressures: list[float] = []
     for begin, end in pairwise(places):
@@ -201,7 +201,7 @@ def _inner_pressures(flows: Sequence[Flow], first: float, last: float) -> list[f
 
 
 def _flow_outwards(
-    n: int, touches: Sequence[int], outwards: Sequence[float], given: Sequence[float | None]
+    n: int, touches: Sequence[int], outwards: Sequence[float], fixed_pressures: Sequence[float | None]
 ) -> float:
     """Flow outwards through a contact [m^3/s]; through one that is open that of the next ones which touch.
 
@@ -210,16 +210,16 @@ def _flow_outwards(
     k = int(np.searchsorted(touches, n))
     if n in touches:
         return outwards[k]
-    if k > 0 and not any(p is not None for p in given[touches[k - 1] : n]):
+    if k > 0 and not any(p is not None for p in fixed_pressures[touches[k - 1] : n]):
         return outwards[k - 1]
-    if k < len(touches) and not any(p is not None for p in given[n : touches[k]]):
+    if k < len(touches) and not any(p is not None for p in fixed_pressures[n : touches[k]]):
         return outwards[k]
     return 0.0
 
 
-def _chamber_pressures(given: Sequence[float | None]) -> float | None:
+def _chamber_pressures(fixed_pressures: Sequence[float | None]) -> float | None:
     """Pressure of chambers that are open to each other [Pa]; None where it follows from the flow."""
-    pressures = sorted({p for p in given if p is not None})
+    pressures = sorted({p for p in fixed_pressures if p is not None})
     if len(pressures) > 1:
         raise ProfileError(
             f"a land does not touch, so that places held at {pressures[0]:.6g} Pa and at {pressures[-1]:.6g} Pa are "

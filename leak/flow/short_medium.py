@@ -205,8 +205,8 @@ class _Piece:
         harder they are pressed. More pressure opens nothing, so that the contact resists at least as much as with its
         peaks cut off, at the share of the peak pressure where that resists most.
         """
-        _, own = self.medium()
-        most, without_peaks = self.resistance(own), own
+        _, log_n_here = self.medium()
+        most, without_peaks = self.resistance(log_n_here), log_n_here
         _, least = self.cut_off(-1).medium()
         for number in range(len(_CUTS)):
             piece = self.cut_off(number)
@@ -217,10 +217,10 @@ class _Piece:
             cut_resistance = piece.resistance(log_n)
             if cut_resistance > most:
                 most, without_peaks = cut_resistance, log_n
-        if without_peaks == own or most == math.inf:
+        if without_peaks == log_n_here or most == math.inf:
             return without_peaks
         return root_of_rising(
-            lambda log_n: 1.0 - self.resistance(log_n) / most, without_peaks, own, own, _CLOSE
+            lambda log_n: 1.0 - self.resistance(log_n) / most, without_peaks, log_n_here, log_n_here, _CLOSE
         )
 
 

@@ -109,7 +109,7 @@ class ParticleCounts:
         largest : float, optional
             See `ParticleCounts`.
         """
-        at, number = (tuple(np.atleast_1d(np.asarray(one, dtype=float)).tolist()) for one in (sizes, counts))
+        at, number = (tuple(np.atleast_1d(np.asarray(x, dtype=float)).tolist()) for x in (sizes, counts))
         return cls(at, number, number, largest)
 
     @classmethod
@@ -135,10 +135,10 @@ class ParticleCounts:
         >>> leak.ParticleCounts.of_iso_4406("-/16/13").sizes
         (5e-06, 1.5e-05)
         """
-        found = re.fullmatch(r"\s*(\d{1,2}|-)\s*/\s*(\d{1,2})\s*/\s*(\d{1,2})\s*", code)
-        if found is None:
+        match = re.fullmatch(r"\s*(\d{1,2}|-)\s*/\s*(\d{1,2})\s*/\s*(\d{1,2})\s*", code)
+        if match is None:
             raise FluidError(f'ISO 4406 code = {code!r}: must be three scale numbers such as "18/16/13"')
-        numbers = [int(one) for one in found.groups() if one != "-"]
+        numbers = [int(group) for group in match.groups() if group != "-"]
         if max(numbers) >= len(_UP_TO):
             raise FluidError(f"ISO 4406 code = {code!r}: scale numbers go from 0 to {len(_UP_TO) - 1}")
         if any(larger > smaller for smaller, larger in pairwise(numbers)):
@@ -148,7 +148,7 @@ class ParticleCounts:
             )
         sizes = _COUNTER if len(numbers) == 3 else _MICROSCOPE
         ranges = [(_UP_TO[n - 1] if n else 0.5 * _UP_TO[0], _UP_TO[n]) for n in numbers]
-        low, high = (tuple(_PER_ML * one for one in ends) for ends in zip(*ranges, strict=True))
+        low, high = (tuple(_PER_ML * number for number in ends) for ends in zip(*ranges, strict=True))
         return cls(sizes, low, high, largest)
 
     @property
@@ -170,11 +170,11 @@ class ParticleCounts:
             NaN below `smallest`.
         """
         d = np.atleast_1d(np.asarray(size, dtype=float))
-        low, high = (np.where(d < self.smallest * (1.0 - 1e-9), np.nan, one) for one in self._bounds(d))
+        low, high = (np.where(d < self.smallest * (1.0 - 1e-9), np.nan, count) for count in self._bounds(d))
         if np.isfinite(self.largest):
-            beyond = self._bounds(np.array([self.largest]))
+            cuts = self._bounds(np.array([self.largest]))
             # what the filter takes is as uncertain as what it leaves: the same counts, low or high
-            low, high = (np.maximum(one - more, 0.0) for one, more in zip((low, high), beyond, strict=True))
+            low, high = (np.maximum(n - cut, 0.0) for n, cut in zip((low, high), cuts, strict=True))
         return Concentration(low, np.sqrt(low * high), high)
 
     def _bounds(self, d: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -183,8 +183,8 @@ class ParticleCounts:
         low, high = np.log(self.low), np.log(self.high)
         width = x[-1] - x[0]
         flattest, steepest = max((low[0] - high[-1]) / width, 0.0), (high[0] - low[-1]) / width
-        below, above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
+        undershoot, overshoot = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
         return (
-            np.exp(np.interp(at, x, low) - flattest * below - steepest * above),
-            np.exp(np.interp(at, x, high) - steepest * below - flattest * above),
+            np.exp(np.interp(at, x, low) - flattest * undershoot - steepest * overshoot),
+            np.exp(np.interp(at, x, high) - steepest * undershoot - flattest * overshoot),
         )

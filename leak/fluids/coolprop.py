@@ -52,10 +52,10 @@ def _pressure_law(fluid: str, T: float, pressure: float) -> PressureTable | None
     first = [package.PropsSI(key, "T", T, "P", pressure, fluid) for key in ("V", "D")]
     most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST) - pressure
     p = np.linspace(0.0, most, _PRESSURES)
-    known = _known_range(package, fluid, T, pressure + p[1:])
-    if len(known) + 1 < _FEWEST:
+    values = _known_range(package, fluid, T, pressure + p[1:])
+    if len(values) + 1 < _FEWEST:
         return None
-    eta, rho = ((1.0, *(known[:, n] / one).tolist()) for n, one in enumerate(first))
+    eta, rho = ((1.0, *(values[:, n] / reference).tolist()) for n, reference in enumerate(first))
     return PressureTable(tuple(p[: len(eta)].tolist()), eta, rho)
 
 
@@ -97,20 +97,20 @@ def _real_gas(fluid: str, T: float) -> RealGas | None:
     most = min(most, _HIGHEST_OF_GAS, float(package.PropsSI("PMAX", fluid)))
     # closer together where the gas is dilute
     p = most * np.linspace(0.0, 1.0, _PRESSURES_OF_GAS) ** 2
-    known = _known_range(package, fluid, T, p[1:])
-    count = len(known) + 1
+    values = _known_range(package, fluid, T, p[1:])
+    count = len(values) + 1
     if count < _FEWEST:
         return None
     Z, ratios = (
-        (1.0, *(p[1:count] / (known[:, 1] * R_s * T)).tolist()),
-        (1.0, *(known[:, 0] / dilute).tolist()),
+        (1.0, *(p[1:count] / (values[:, 1] * R_s * T)).tolist()),
+        (1.0, *(values[:, 0] / dilute).tolist()),
     )
     return RealGas(tuple(p[:count].tolist()), Z, ratios, condenses and count == _PRESSURES_OF_GAS)
 
 
 def _known_range(package: Any, fluid: str, T: float, pressures: FloatArray) -> FloatArray:
     """Viscosity and density up to the first pressure [Pa] at which the package has none, shape (n, 2)."""
-    found = []
+    rows = []
     for p in pressures.tolist():
         try:
             values = [package.PropsSI(key, "T", T, "P", p, fluid) for key in ("V", "D")]
@@ -118,8 +118,8 @@ def _known_range(package: Any, fluid: str, T: float, pressures: FloatArray) -> F
             break
         if not all(0.0 < value < np.inf for value in values):
             break
-        found.append(values)
-    return np.array(found).reshape(-1, 2)
+        rows.append(values)
+    return np.array(rows).reshape(-1, 2)
 
 
 def coolprop_heat_capacity(name: str) -> float:

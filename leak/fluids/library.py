@@ -134,7 +134,7 @@ _SOURCES: dict[str, str] = _DATA["sources"]
 def known_name(name: str, library: Collection[str], synonyms: Mapping[str, str]) -> str:
     """Entry of `library` that is meant, whatever its capitals; FluidError with the nearest names if there is none."""
     key = str(name).strip().lower()
-    by_key = {known.lower(): known for known in library} | dict(synonyms)
+    by_key = {entry.lower(): entry for entry in library} | dict(synonyms)
     if key in by_key:
         return by_key[key]
     close = get_close_matches(key, list(by_key), n=2)
@@ -297,9 +297,9 @@ def _liquid_entry(name: str, data: Mapping[str, Any]) -> _Entry[Liquid]:
     elif name == "water":
         viscosity, density, law = _water_viscosity, _water_density, lambda T, viscosity: water_law(T)
     else:
-        known, density = "log_viscosity" in data, _polynomial(*data["density"])
+        is_formula, density = "log_viscosity" in data, _polynomial(*data["density"])
         viscosity = (
-            _exponential(*data["log_viscosity"]) if known else _interpolate_viscosity(data["viscosity"])
+            _exponential(*data["log_viscosity"]) if is_formula else _interpolate_viscosity(data["viscosity"])
         )
         law = _known_law(data)
 
@@ -393,7 +393,7 @@ def is_liquid(name: str) -> bool:
     (True, False)
     """
     key = str(name).strip().lower()
-    return key in _SYNONYMS or any(key == known.lower() for known in _LIQUIDS)
+    return key in _SYNONYMS or any(key == entry.lower() for entry in _LIQUIDS)
 
 
 _GASES = {entry.name: entry for entry in GAS_ENTRIES}
@@ -494,8 +494,8 @@ def _elsewhere(name: str) -> str:
     other = coolprop_name(name)
     if other is None:
         return ""
-    there = "" if find_spec("CoolProp") else f" ({command('coolprop')})"
-    return f'; "{other}" of the optional package CoolProp{there} knows more'
+    hint = "" if find_spec("CoolProp") else f" ({command('coolprop')})"
+    return f'; "{other}" of the optional package CoolProp{hint} knows more'
 
 
 MOLECULAR_SIZES = MappingProxyType({word: size * 1e-9 for word, size in _DATA["molecular_sizes"].items()})
@@ -516,8 +516,8 @@ def molecular_size(fluid: str) -> float:
     4.3e-10
     """
     name = fluid.strip().lower()
-    found = [size for word, size in MOLECULAR_SIZES.items() if word in name]
-    return min(found, default=min(MOLECULAR_SIZES.values()))
+    sizes = [size for word, size in MOLECULAR_SIZES.items() if word in name]
+    return min(sizes, default=min(MOLECULAR_SIZES.values()))
 
 
 # -------------------------------------------------------------------- dense gases, for warnings
@@ -569,8 +569,8 @@ def estimated_real_gas(gas: Gas, highest: float) -> RealGas | None:
     critical = Critical(temperature, pressure * 1e5, acentric, volume * 1e-6)
     pressures = np.linspace(0.0, highest, _PRESSURES)
     Z = np.array([_peng_robinson(critical, gas.temperature, p) for p in pressures])
-    reduced = pressures * critical.volume / (Z * GAS_CONSTANT * gas.temperature)
-    ratios = 1.0 + _dense_viscosity(critical, gas.molar_mass, reduced) / gas.viscosity
+    reduced_density = pressures * critical.volume / (Z * GAS_CONSTANT * gas.temperature)
+    ratios = 1.0 + _dense_viscosity(critical, gas.molar_mass, reduced_density) / gas.viscosity
     return RealGas(tuple(pressures.tolist()), tuple(Z.tolist()), tuple(ratios.tolist()))
 
 

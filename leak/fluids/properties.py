@@ -140,8 +140,8 @@ class GasPotential:
         p, c = np.asarray(pressure, dtype=float), self.slip
         if self.real is None:
             return np.asarray(p * (p + 2.0 * c))
-        inside = np.clip(p, 0.0, self.highest)
-        return _gas_panels(self.real, self.highest)[0].value(inside) + 2.0 * c * inside
+        p_in = np.clip(p, 0.0, self.highest)
+        return _gas_panels(self.real, self.highest)[0].value(p_in) + 2.0 * c * p_in
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of w [Pa]."""
@@ -180,8 +180,8 @@ class GasPotential:
 def _gas_panels(real: RealGas, highest: float) -> tuple[MonotoneCurve, FloatArray]:
     """w without c, whose slope is 2 q, between the ends of the panels, and there the slope of q."""
     at = highest * np.linspace(0.0, 1.0, _GAS_PANELS + 1) ** 2
-    inside, weight = gauss_panels(at, _GAS_POINTS)
-    dense = np.concatenate([[0.0], np.cumsum(2.0 * np.vecdot(real.flow_pressure(inside), weight))])
+    p_in, weight = gauss_panels(at, _GAS_POINTS)
+    dense = np.concatenate([[0.0], np.cumsum(2.0 * np.vecdot(real.flow_pressure(p_in), weight))])
     return MonotoneCurve(at, dense, 2.0 * real.flow_pressure(at)), real.flow_pressure_slope(at)
 
 
@@ -455,36 +455,36 @@ class FlowPotential:
         if self.law is None:
             return p
         psi, at = self._panels[0].x, self._panels[0].y
-        inside = np.minimum(np.maximum(p, 0.0), self.highest)
-        k = np.minimum(at.searchsorted(inside, side="right") - 1, _PANELS - 1)
+        p_in = np.minimum(np.maximum(p, 0.0), self.highest)
+        k = np.minimum(at.searchsorted(p_in, side="right") - 1, _PANELS - 1)
         nodes, weights = gauss(_POINTS)
-        half = 0.5 * (inside - at[k])
-        here = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
+        half = 0.5 * (p_in - at[k])
+        mobility = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
         first, last = self._ends
-        beyond = np.maximum(p - self.highest, 0.0) * last + np.minimum(p, 0.0) * first
-        return np.asarray(psi[k] + half * (here @ weights) + beyond)
+        outside = np.maximum(p - self.highest, 0.0) * last + np.minimum(p, 0.0) * first
+        return np.asarray(psi[k] + half * (mobility @ weights) + outside)
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of psi [Pa], shape kept [Pa]."""
         target = np.asarray(potential, dtype=float)
         if self.law is None:
             return target
-        inverse, exact = self._panels
-        psi, at, whole = inverse.x, inverse.y, self.at_highest
-        inside = np.minimum(np.maximum(target, 0.0), whole)
-        p = np.minimum(np.maximum(inverse.value(inside), 0.0), self.highest)
-        if not exact:
-            k = np.minimum(psi.searchsorted(inside, side="right") - 1, _PANELS - 1)
+        inverse, is_exact = self._panels
+        psi, at, psi_end = inverse.x, inverse.y, self.at_highest
+        psi_in = np.minimum(np.maximum(target, 0.0), psi_end)
+        p = np.minimum(np.maximum(inverse.value(psi_in), 0.0), self.highest)
+        if not is_exact:
+            k = np.minimum(psi.searchsorted(psi_in, side="right") - 1, _PANELS - 1)
             low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
             p = newton_between(
-                lambda p: (self(p) - inside, self.mobility(p)),
+                lambda p: (self(p) - psi_in, self.mobility(p)),
                 np.minimum(np.maximum(p, low), high),
                 low,
                 high,
                 _NEWTON_CLOSE * self.highest,
             )
         first, last = self._ends
-        return np.asarray(p + np.maximum(target - whole, 0.0) / last + np.minimum(target, 0.0) / first)
+        return np.asarray(p + np.maximum(target - psi_end, 0.0) / last + np.minimum(target, 0.0) / first)
 
     def mobility(self, pressure: ArrayLike) -> FloatArray:
         """m = dpsi/dp = (rho/rho0)(eta0/eta) at pressures [Pa], shape kept [-]."""
@@ -524,9 +524,9 @@ def _panels(law: PressureLaw, highest: float) -> tuple[MonotoneCurve, bool]:
     # at the middle of a panel the cubic is farthest off
     middle = 0.5 * (at[:-1] + at[1:])
     first_half = 0.5 * (at[:-1, None] + p)
-    there = psi[:-1] + 0.5 * np.vecdot(_mobility(law, first_half), weight)
-    exact = bool(np.abs(inverse.value(there) - middle).max() < _EXACT * highest)
-    return inverse, exact
+    psi_middle = psi[:-1] + 0.5 * np.vecdot(_mobility(law, first_half), weight)
+    is_exact = bool(np.abs(inverse.value(psi_middle) - middle).max() < _EXACT * highest)
+    return inverse, is_exact
 
 
 def _mobility(law: PressureLaw, pressure: FloatArray) -> FloatArray:
@@ -607,7 +607,7 @@ def check_table(pressures: tuple[float, ...], columns: Mapping[str, tuple[float,
     if len(pressures) < 4 or pressures[0] != 0.0 or any(b <= a for a, b in pairwise(pressures)):
         raise FluidError(f"pressures = {pressures!r}: must be at least four, increasing from zero [Pa]")
     for name, values in columns.items():
-        if len(values) != len(pressures) or not all(0.0 < one < float("inf") for one in values):
+        if len(values) != len(pressures) or not all(0.0 < value < float("inf") for value in values):
             raise FluidError(
                 f"{name} = {values!r}: must be {len(pressures)} positive numbers, one for each pressure"
             )

@@ -86,24 +86,24 @@ def sample_curve(
     True
     """
     x, y = start, function(start)
-    open_: BoolArray = np.ones(x.size - 1, dtype=bool)
+    is_open: BoolArray = np.ones(x.size - 1, dtype=bool)
     while True:
-        open_ = open_ & (np.diff(x) > closest)
-        open_ |= _far_wider_than_a_neighbour(x) & (np.diff(x) > closest)
+        is_open = is_open & (np.diff(x) > closest)
+        is_open |= _far_wider_than_a_neighbour(x) & (np.diff(x) > closest)
         # beside a point without a value only the place where the values end is looked for
         has = _has_value(y)
-        open_ = open_ & (has[:-1] | has[1:])
-        at: IntArray = np.flatnonzero(open_)
+        is_open = is_open & (has[:-1] | has[1:])
+        at: IntArray = np.flatnonzero(is_open)
         if not at.size:
             break
         middle = 0.5 * (x[at] + x[at + 1])
         values = function(middle)
         with np.errstate(invalid="ignore"):
-            good = (np.abs(values - _predict_values(x, y, at, middle)) <= allowed(values)).all(axis=1)
-        np.put(open_, at, ~good)
+            is_good = (np.abs(values - _predict_values(x, y, at, middle)) <= allowed(values)).all(axis=1)
+        np.put(is_open, at, ~is_good)
         x, y = np.insert(x, at + 1, middle), np.insert(y, at + 1, values, axis=0)
         # both halves of a bad interval are bad, both of a good one good
-        open_ = np.insert(open_, at + 1, ~good)
+        is_open = np.insert(is_open, at + 1, ~is_good)
     has = _has_value(y)
     return x[has], y[has]
 
@@ -150,23 +150,23 @@ class MonotoneCurve:
     def value(self, x: FloatArray) -> FloatArray:
         """y at x."""
         x = np.asarray(x, dtype=float)
-        inside = np.minimum(np.maximum(x, self.x[0]), self.x[-1])
-        k = self.x[1:-1].searchsorted(inside, side="right")
+        x_in = np.minimum(np.maximum(x, self.x[0]), self.x[-1])
+        k = self.x[1:-1].searchsorted(x_in, side="right")
         c0, c1, c2, c3 = self._cubics.take(k, axis=1)
-        s = inside - self.x[k]
+        s = x_in - self.x[k]
         y = c0 + s * (c1 + s * (c2 + c3 * s))
-        beyond = x - inside
-        if beyond.any():
-            y += np.where(beyond < 0.0, self.slope[0], self.slope[-1]) * beyond
+        overshoot = x - x_in
+        if overshoot.any():
+            y += np.where(overshoot < 0.0, self.slope[0], self.slope[-1]) * overshoot
         return y
 
     def value_and_derivative(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx at x."""
         x = np.asarray(x, dtype=float)
-        below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
+        undershoot, overshoot = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
         k = self.x[1:-1].searchsorted(x, side="right")
         y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
-        return y + (below * self.slope[0] + above * self.slope[-1]), slope
+        return y + (undershoot * self.slope[0] + overshoot * self.slope[-1]), slope
 
     def value_and_slope(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx at x, none of which lies beyond the ends."""
@@ -190,18 +190,18 @@ class MonotoneCurve:
         sign = np.sign(self.y[-1] - self.y[0])
         k = np.clip(np.searchsorted(sign * self.y, sign * y, side="right") - 1, 0, self.x.size - 2)
         h = self.x[k + 1] - self.x[k]
-        inside = np.clip(sign * y, sign * self.y[0], sign * self.y[-1]) * sign
+        target = np.clip(sign * y, sign * self.y[0], sign * self.y[-1]) * sign
 
         def excess(t: FloatArray) -> tuple[FloatArray, FloatArray]:
             value, slope = self._cell(k, h * t)
-            return sign * (value - inside), sign * (slope * h)
+            return sign * (value - target), sign * (slope * h)
 
-        guess = (inside - self.y[k]) / (self.y[k + 1] - self.y[k])
+        guess = (target - self.y[k]) / (self.y[k + 1] - self.y[k])
         # in about 6 steps, and more in cells in which one end is almost flat
         t = newton_between(excess, guess, np.zeros(y.shape), np.ones(y.shape), 1e-14)
         x = self.x[k] + h * t
         end = np.where(sign * y > sign * self.y[-1], -1, 0)
-        return x + (y - inside) / self.slope[end]
+        return x + (y - target) / self.slope[end]
 
 
 def shape_preserving_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
@@ -300,8 +300,8 @@ class CubicSurface:
     def _bicubics(self) -> FloatArray:
         """Coefficients of the powers of the distances from the corner of each cell, shape (4, 4, (n-1)(m-1))."""
         in_y = _cubics(self.y, self.z.T)
-        both = _cubics(self.x, in_y.reshape(-1, self.x.size).T)
-        return both.reshape(4, self.x.size - 1, 4, -1).swapaxes(1, 2).reshape(4, 4, -1)
+        in_both = _cubics(self.x, in_y.reshape(-1, self.x.size).T)
+        return in_both.reshape(4, self.x.size - 1, 4, -1).swapaxes(1, 2).reshape(4, 4, -1)
 
 
 def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:

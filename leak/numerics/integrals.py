@@ -47,8 +47,8 @@ def power_law_moment(
     order: float, log_q: FloatArray, log_C: FloatArray, slope: FloatArray, low: float, high: float
 ) -> float:
     """int q^order C dq from ln q = low to high, both within the nodes."""
-    inside = np.minimum(np.maximum(log_q, low), high)
-    left, right = inside[:-1], inside[1:]
+    x = np.minimum(np.maximum(log_q, low), high)
+    left, right = x[:-1], x[1:]
     start = log_C[:-1] + slope * (left - log_q[:-1]) + (order + 1.0) * left
     return float(np.sum(np.exp(start) * power_integral(order + 1.0 + slope, right - left)))
 
@@ -77,5 +77,5 @@ def sorted_unique(values: FloatArray) -> FloatArray:
     >>> sorted_unique(np.array([2.0, 1.0, 2.0])).tolist()
     [1.0, 2.0]
     """
-    increasing = np.sort(values)
-    return increasing[np.diff(increasing, prepend=-np.inf) > 0]
+    numbers = np.sort(values)
+    return numbers[np.diff(numbers, prepend=-np.inf) > 0]

@@ -41,31 +41,31 @@ def root_of_rising(
     >>> round(root_of_rising(lambda x: x**3 - 2.0, 0.0, 4.0, 3.0), 12)
     1.259921049895
     """
-    before = last = start
+    x_before = last = start
     at_before = at_last = function(start)
     step = 1.0 if at_last < 0.0 else -1.0
-    while at_before * at_last > 0.0 or before == last:
+    while at_before * at_last > 0.0 or x_before == last:
         if at_last == 0.0 or last == (high if step > 0.0 else low):
             return last
-        before, at_before = last, at_last
+        x_before, at_before = last, at_last
         last = min(max(last + step, low), high)
         at_last, step = function(last), 4.0 * step
-    below, above = min(before, last), max(before, last)
-    longest = previous = 2.0 * (above - below)
+    left, right = min(x_before, last), max(x_before, last)
+    longest = previous = 2.0 * (right - left)
     for _ in range(_MOST_STEPS):
         if at_last > 0.0:
-            above = last
+            right = last
         else:
-            below = last
+            left = last
         rise = at_last - at_before
-        following = last - at_last * (last - before) / rise if rise else below
-        if not below < following < above or abs(following - last) > 0.5 * longest:
-            following = 0.5 * (below + above)
-        if at_last == 0.0 or abs(following - last) <= tolerance:
-            return following if at_last else last
-        longest, previous = previous, abs(following - last)
-        before, at_before = last, at_last
-        last, at_last = following, function(following)
+        trial = last - at_last * (last - x_before) / rise if rise else left
+        if not left < trial < right or abs(trial - last) > 0.5 * longest:
+            trial = 0.5 * (left + right)
+        if at_last == 0.0 or abs(trial - last) <= tolerance:
+            return trial if at_last else last
+        longest, previous = previous, abs(trial - last)
+        x_before, at_before = last, at_last
+        last, at_last = trial, function(trial)
     return last
 
 
@@ -90,8 +90,8 @@ def bisect_roots(
     """
     for _ in range(halvings):
         middle = 0.5 * (low + high)
-        below = is_below(middle)
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        is_low = is_below(middle)
+        low, high = np.where(is_low, middle, low), np.where(is_low, high, middle)
     return low, high
 
 
@@ -118,9 +118,9 @@ def newton_between(
         value, slope = function(x)
         low, high = np.where(value < 0.0, x, low), np.where(value < 0.0, high, x)
         newton = x - value / slope
-        following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-        moved, x = np.max(np.abs(following - x), initial=0.0), following
-        if moved <= close:
+        trial = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+        move, x = np.max(np.abs(trial - x), initial=0.0), trial
+        if move <= close:
             break
     return x
 
@@ -151,8 +151,8 @@ def root_between(
     """
     from scipy.optimize import brentq
 
-    held = [function]
+    functions = [function]
     try:
-        return float(brentq(lambda x: held[0](x), low, high, xtol=xtol, rtol=rtol))
+        return float(brentq(lambda x: functions[0](x), low, high, xtol=xtol, rtol=rtol))
     finally:
-        held.clear()
+        functions.clear()

@@ -62,16 +62,16 @@ def estimate(scans: Sequence[Topography], settings: ScanSettings) -> Estimate:
     """See `leak.measure`."""
     if not scans:
         raise ScanError("no scan: at least one is needed")
-    found = tuple(find_outliers(scan) for scan in scans)
+    outliers = tuple(find_outliers(scan) for scan in scans)
     if settings.outliers == "remove":
-        scans = tuple(without_outliers(scan, one) for scan, one in zip(scans, found, strict=True))
+        scans = tuple(without_outliers(scan, outlier) for scan, outlier in zip(scans, outliers, strict=True))
     flat = tuple(_without_form(scan, settings) for scan in scans)
     waves = tuple(periodogram(scan, settings.window) for scan in flat)
-    ranges = tuple(reliable_range(scan, one, settings) for scan, one in zip(flat, waves, strict=True))
+    ranges = tuple(reliable_range(scan, modes, settings) for scan, modes in zip(flat, waves, strict=True))
     variances = np.array([float(np.mean(scan.heights**2)) for scan in flat])
     measured, log_error, rolloff = _spectrum(waves, ranges, variances)
     continued = _continue_ends(measured, settings.extrapolation)
-    return Estimate(measured, continued, log_error, rolloff, found, flat, waves, ranges, variances)
+    return Estimate(measured, continued, log_error, rolloff, outliers, flat, waves, ranges, variances)
 
 
 def _continue_ends(nodes: Nodes, by: Literal["cut"] | SelfAffineContinuation) -> Nodes:
@@ -106,29 +106,29 @@ def _spectrum(
     modes: Sequence[Periodogram], ranges: Sequence[ReliableRange], variances: FloatArray
 ) -> tuple[Nodes, FloatArray, RollOff]:
     """C(q) over the range of all scans together, the standard deviation of ln C, and its roll-off."""
-    low, high = min(one.q_low for one in ranges), max(one.q_high for one in ranges)
+    low, high = min(r.q_low for r in ranges), max(r.q_high for r in ranges)
     count = max(round(_PER_DECADE * np.log10(high / low)), 3)
     step = np.log(high / low) / count
     nodes = low * np.exp(step * np.arange(count + 1 + round(np.log(_BEYOND) / step)))
     pieces = max(round(step / _FINE), 1)
     edges = low * np.exp(step / pieces * np.arange(pieces * (nodes.size - 1) + 1))
-    seen = [
-        evidence(one, _edges_within(nodes[: count + 1], reliable), edges)
-        for one, reliable in zip(modes, ranges, strict=True)
+    bins = [
+        evidence(scan, _edges_within(nodes[: count + 1], reliable), edges)
+        for scan, reliable in zip(modes, ranges, strict=True)
     ]
-    held = np.array(
-        [v * (1.0 - share_above(one, r.q_high)) for v, one, r in zip(variances, modes, ranges, strict=True)]
+    variance = np.array(
+        [v * (1.0 - share_above(scan, r.q_high)) for v, scan, r in zip(variances, modes, ranges, strict=True)]
     )
     # int q dq of each piece within the range of each scan
-    within = np.mean([np.diff(0.5 * np.clip(edges, one.q_low, one.q_high) ** 2) for one in ranges], axis=0)
-    share = VarianceShare(float(held.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * within)
-    log_density, log_error = (one[: count + 1] for one in fit_spectrum(nodes, pool_scans(seen), share))
+    area = np.mean([np.diff(0.5 * np.clip(edges, r.q_low, r.q_high) ** 2) for r in ranges], axis=0)
+    share = VarianceShare(float(variance.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * area)
+    log_density, log_error = (values[: count + 1] for values in fit_spectrum(nodes, pool_scans(bins), share))
     q, C = nodes[: count + 1], np.exp(log_density)
     log_q, log_C = np.log(q), np.log(C)
     slope = slopes(log_q, log_C)
-    ends = [np.log(np.clip([one.q_low, one.q_high], q[0], q[-1])) for one in ranges]
-    now = 2.0 * np.pi * np.mean([power_law_moment(1, log_q, log_C, slope, *pair) for pair in ends])
-    return (q, C * held.mean() / now), log_error, fit_rolloff(q, seen, float(held.mean()))
+    ends = [np.log(np.clip([r.q_low, r.q_high], q[0], q[-1])) for r in ranges]
+    variance_now = 2.0 * np.pi * np.mean([power_law_moment(1, log_q, log_C, slope, *pair) for pair in ends])
+    return (q, C * variance.mean() / variance_now), log_error, fit_rolloff(q, bins, float(variance.mean()))
 
 
 def _edges_within(nodes: FloatArray, reliable: ReliableRange) -> FloatArray:
@@ -200,21 +200,21 @@ def fit_spectrum(
         )
 
     log_C = _start(np.log(nodes), evidence)
-    now = terms(log_C)
+    state = terms(log_C)
     for _ in range(_MOST_STEPS):
-        step = -np.linalg.solve(now.curvature, now.gradient)
+        step = -np.linalg.solve(state.curvature, state.gradient)
         step *= min(1.0, 3.0 / float(np.abs(step).max()))
-        promised = -float(now.gradient @ step)
-        if promised < _CONVERGED:
+        expected_gain = -float(state.gradient @ step)
+        if expected_gain < _CONVERGED:
             break
         for fraction in 0.5 ** np.arange(12):
             trial = terms(log_C + fraction * step)
-            if trial.cost <= now.cost - 1e-3 * fraction * promised:
+            if trial.cost <= state.cost - 1e-3 * fraction * expected_gain:
                 break
         else:
             break
-        log_C, now = log_C + fraction * step, trial
-    return log_C, np.sqrt(np.diag(np.linalg.inv(now.curvature)))
+        log_C, state = log_C + fraction * step, trial
+    return log_C, np.sqrt(np.diag(np.linalg.inv(state.curvature)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,10 +230,10 @@ class _Power:
     def of(cls, log_nodes: FloatArray, evidence: Sequence[Evidence], variance: VarianceShare) -> _Power:
         from scipy.linalg import block_diag
 
-        samples = np.concatenate([*(one.samples for one in evidence), variance.samples])
-        data = np.concatenate([*(one.density for one in evidence), [variance.value]])
-        freedom = np.concatenate([one.freedom for one in evidence])
-        weights = block_diag(*(one.weights for one in evidence), variance.weights[None, :])
+        samples = np.concatenate([*(scan.samples for scan in evidence), variance.samples])
+        data = np.concatenate([*(scan.density for scan in evidence), [variance.value]])
+        freedom = np.concatenate([scan.freedom for scan in evidence])
+        weights = block_diag(*(scan.weights for scan in evidence), variance.weights[None, :])
         return cls(np.log(data), freedom, weights, _hat_functions(np.log(samples), log_nodes))
 
     def terms(self, log_C: FloatArray) -> _Terms:
@@ -269,27 +269,27 @@ class _Smoothness:
     def terms(self, log_C: FloatArray) -> _Terms:
         bend, rise = self.bends @ log_C, np.maximum(self.rises @ log_C, 0.0)
         length = np.sqrt(1.0 + bend**2)
-        rising = self.rises[rise > 0.0]
+        rising_bends = self.rises[rise > 0.0]
         return _Terms(
             float(np.sum(length) + 0.5 * np.sum(rise**2)),
             self.bends.T @ (bend / length) + self.rises.T @ rise,
             # a node that no data reach keeps its place
-            (self.bends.T / length) @ self.bends + rising.T @ rising + 1e-6 * np.eye(log_C.size),
+            (self.bends.T / length) @ self.bends + rising_bends.T @ rising_bends + 1e-6 * np.eye(log_C.size),
         )
 
 
 def _start(log_nodes: FloatArray, evidence: Sequence[Evidence]) -> FloatArray:
     """Data over what C = (q/q_bin)^-3 would give in their place, smoothed a little."""
-    log_q = np.concatenate([np.log(one.wavenumber) for one in evidence])
-    level = np.concatenate([np.log(one.density) - _log_of_steep_spectrum(one) for one in evidence])
+    log_q = np.concatenate([np.log(scan.wavenumber) for scan in evidence])
+    level = np.concatenate([np.log(scan.density) - _log_of_steep_spectrum(scan) for scan in evidence])
     order = np.argsort(log_q)
     rough = np.interp(log_nodes, log_q[order], level[order])
     return np.convolve(np.pad(rough, 2, mode="edge"), np.full(5, 0.2), mode="valid")
 
 
-def _log_of_steep_spectrum(one: Evidence) -> FloatArray:
-    ratio = one.samples[None, :] / one.wavenumber[:, None]
-    return np.log(np.sum(one.weights * ratio**-3.0, axis=1))
+def _log_of_steep_spectrum(scan: Evidence) -> FloatArray:
+    ratio = scan.samples[None, :] / scan.wavenumber[:, None]
+    return np.log(np.sum(scan.weights * ratio**-3.0, axis=1))
 
 
 def _hat_functions(log_q: FloatArray, log_nodes: FloatArray) -> FloatArray:
@@ -342,10 +342,10 @@ def reliable_range(scan: Topography, modes: Periodogram, settings: ScanSettings)
 
 def _tip_limit(modes: Periodogram, tip_radius: float) -> float:
     """Wavenumber up to which a profile bends less than the tip can follow [1/m]."""
-    along = np.mean(modes.vector**4, axis=1)
-    curvature = np.sqrt(np.cumsum(modes.shares * along))
-    reached = np.flatnonzero(curvature > 0.5 / tip_radius)
-    return float(modes.wavenumber[reached[0]]) if reached.size else np.inf
+    mean_q4 = np.mean(modes.vector**4, axis=1)
+    curvature = np.sqrt(np.cumsum(modes.shares * mean_q4))
+    beyond_tip = np.flatnonzero(curvature > 0.5 / tip_radius)
+    return float(modes.wavenumber[beyond_tip[0]]) if beyond_tip.size else np.inf
 
 
 def _sharp_end(modes: Periodogram) -> float | None:
@@ -362,8 +362,8 @@ def _sharp_end(modes: Periodogram) -> float | None:
     drops = np.flatnonzero(highest_after[1:] < _SHARP * mean[:-1])
     if not drops.size:
         return None
-    before = np.unique(bins)[drops[0]]
-    strong = np.flatnonzero((power > 0.1 * mean[drops[0]]) & (bins <= before + 1))
+    last_bin = np.unique(bins)[drops[0]]
+    strong = np.flatnonzero((power > 0.1 * mean[drops[0]]) & (bins <= last_bin + 1))
     return float(q[strong[-1]])
 
 

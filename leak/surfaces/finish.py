@@ -49,12 +49,12 @@ class Spread(NamedTuple):
             Whether ratios or differences are even.
         """
         ends = np.log(self) if log else np.array(self, dtype=float)
-        found = np.interp(np.asarray(share, dtype=float), [0.0, 0.5, 1.0], ends)
-        return np.exp(found) if log else found
+        value = np.interp(np.asarray(share, dtype=float), [0.0, 0.5, 1.0], ends)
+        return np.exp(value) if log else value
 
     def clip(self, low: float, high: float) -> Spread:
         """The same, kept between two bounds."""
-        return Spread(*(min(max(one, low), high) for one in self))
+        return Spread(*(min(max(end, low), high) for end in self))
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def _process(name: str, entry: Mapping[str, Any]) -> Process:
         name,
         (low * _UM, high * _UM),
         Spread(*entry["hurst"]),
-        Spread(*(one * _UM for one in entry["rolloff"])),
+        Spread(*(end * _UM for end in entry["rolloff"])),
         Spread(*entry["aspect"]),
         entry["lay"],
         tuple(entry["rq_over_ra"]),
@@ -202,19 +202,19 @@ class Finish:
         Of a range of Ra, Rq or Rz the value, under the name of the parameter, whose logarithm is as likely everywhere;
         hurst, q_rolloff, q_high, rms_height (see `_height`) and lay.
         """
-        found = {}
+        spreads = {}
         if self.tolerance > 1.0:
-            found[str(self.parameter)] = self._values
+            spreads[str(self.parameter)] = self._values
         if self.hurst is None:
-            found["hurst"] = self.process.hurst
+            spreads["hurst"] = self.process.hurst
         if self.q_rolloff is None:
-            found["q_rolloff"] = self._rolloff
+            spreads["q_rolloff"] = self._rolloff
         if self.q_high is None:
-            found["q_high"] = SHORTEST_WAVE
-        found["rms_height"] = self._height
+            spreads["q_high"] = SHORTEST_WAVE
+        spreads["rms_height"] = self._height
         if self.aspect is None and self.process.aspect.high > 1.0:
-            found["lay"] = self.process.aspect
-        return found
+            spreads["lay"] = self.process.aspect
+        return spreads
 
     @property
     def _values(self) -> Spread:
@@ -258,7 +258,7 @@ class Finish:
             value = float(self._values.at(shares[self.parameter]))
             # measured with one filter, whatever the value
             return replace(self, value=value, tolerance=1.0, filter=self.band).surface(shares, factors)
-        known = {
+        values = {
             "hurst": self.hurst,
             "q_rolloff": None if self.q_rolloff is None else 2.0 * math.pi / self.q_rolloff,
             "q_high": None if self.q_high is None else 2.0 * math.pi / self.q_high,
@@ -272,7 +272,7 @@ class Finish:
         }
         at = {
             key: float(ranges[key].at(shares.get(key, 0.5), log=key != "hurst")) if value is None else value
-            for key, value in known.items()
+            for key, value in values.items()
         }
         height = float(self._height.at(shares["rms_height"])) if "rms_height" in shares else 1.0
         rolloff = at["q_rolloff"] / factors.get("q_rolloff", 1.0)
@@ -288,19 +288,19 @@ class Finish:
     def _make_surface(
         self, hurst: float, longest: float, rolloff: float, shortest: float, aspect: float, height: float
     ) -> FinishedSurface:
-        q_low, q_rolloff, q_high = (2.0 * math.pi / one for one in (longest, rolloff, shortest))
+        q_low, q_rolloff, q_high = (2.0 * math.pi / length for length in (longest, rolloff, shortest))
         unit = PowerSpectrum.self_affine(
             rms_height=1.0, hurst=hurst, q_low=q_low, q_rolloff=q_rolloff, q_high=q_high
         )
-        expected = expected_roughness(unit, self.band)
-        rms_height = height * self.value / expected.value(self.parameter)
+        parameters = expected_roughness(unit, self.band)
+        rms_height = height * self.value / parameters.value(self.parameter)
         across = PowerSpectrum(unit.wavenumber, unit.density * rms_height**2)
         return FinishedSurface(
             _average_directions(across, aspect),
             across,
             aspect,
             self.lay or self.process.lay,
-            replace(expected, Rq=expected.Rq * rms_height),
+            replace(parameters, Rq=parameters.Rq * rms_height),
             hurst,
             q_rolloff,
         )
@@ -317,18 +317,18 @@ def _average_directions(across: PowerSpectrum, aspect: float) -> PowerSpectrum:
         return across
     # the isotropic surface that, stretched along the lay, has these profiles across it
     root = math.sqrt(aspect)
-    before = PowerSpectrum(across.wavenumber / root, across.density * aspect)
+    isotropic = PowerSpectrum(across.wavenumber / root, across.density * aspect)
     nodes = min(_BENDS, 2 + int(math.log(aspect) / _BEND))
     # at the very end nothing is left
-    inside = aspect ** np.linspace(-0.5, 0.48, nodes)
-    q = np.unique(np.concatenate([inside * node for node in before.wavenumber]))
+    ratios = aspect ** np.linspace(-0.5, 0.48, nodes)
+    q = np.unique(np.concatenate([ratios * node for node in isotropic.wavenumber]))
     q = q[np.concatenate([[True], np.diff(np.log(q)) > 1e-6])]
     phi = (np.arange(_DIRECTIONS) + 0.5) * (0.5 * math.pi / _DIRECTIONS)
     stretch = np.sqrt(aspect * np.cos(phi) ** 2 + np.sin(phi) ** 2 / aspect)
-    C = np.asarray(before(q[:, None] * stretch)).mean(axis=1)
-    seen = C > 0.0
-    average = PowerSpectrum(q[seen], C[seen])
-    return PowerSpectrum(q[seen], C[seen] * (before.rms_height / average.rms_height) ** 2)
+    C = np.asarray(isotropic(q[:, None] * stretch)).mean(axis=1)
+    positive = C > 0.0
+    average = PowerSpectrum(q[positive], C[positive])
+    return PowerSpectrum(q[positive], C[positive] * (isotropic.rms_height / average.rms_height) ** 2)
 
 
 @dataclass(frozen=True)

@@ -69,10 +69,10 @@ def check_length(x: FloatArray, h: FloatArray, units: Sequence[float]) -> None:
 
 
 def _check(length: float, height: float, slope: float, units: Sequence[float]) -> None:
-    if wrong := _say_unlikely(length, height, slope):
-        meant = _likely_units(length, height, slope, units)
-        hint = f"; is {meant}?" if meant else "; are its units and columns right?"
-        raise ScanError(f"{wrong}, which is no measured surface{hint}")
+    if fault := _say_unlikely(length, height, slope):
+        likely_units = _likely_units(length, height, slope, units)
+        hint = f"; is {likely_units}?" if likely_units else "; are its units and columns right?"
+        raise ScanError(f"{fault}, which is no measured surface{hint}")
 
 
 def _measures(scan: Topography) -> tuple[float, float, float]:
@@ -95,32 +95,32 @@ def _say_unlikely(length: float, height: float, slope: float) -> str:
 
 def _likely_units(length: float, height: float, slope: float, units: Sequence[float]) -> str:
     """Which unit x or height, or both of them, are likely in; empty if none makes a surface of it."""
-    found = []
+    guesses = []
     for in_x, in_h in product(_COMMON, repeat=2):
         x, h = LENGTH_UNITS[in_x] / units[0], LENGTH_UNITS[in_h] / units[1]
-        other = [not math.isclose(one, 1.0) for one in (x, h)]
+        differ = [not math.isclose(factor, 1.0) for factor in (x, h)]
         measures = (x * length, h * height, h / x * slope)
-        if any(other) and not _say_unlikely(*measures):
-            far = sum(
-                math.log10(one / usual) ** 2 for one, usual in zip(measures, _USUAL, strict=True) if one > 0
+        if any(differ) and not _say_unlikely(*measures):
+            distance = sum(
+                math.log10(m / usual) ** 2 for m, usual in zip(measures, _USUAL, strict=True) if m > 0
             )
-            same = in_x == in_h and all(other)
+            same = in_x == in_h and all(differ)
             words = (
                 f"its unit {in_x}"
                 if same
                 else " and ".join(
                     f"the unit of {column} {name}"
-                    for column, name, differs in zip(("x", "height"), (in_x, in_h), other, strict=True)
+                    for column, name, differs in zip(("x", "height"), (in_x, in_h), differ, strict=True)
                     if differs
                 )
             )
             # one slip is likelier than two
-            found.append((far + 2 * (sum(other) - 1) * (not same), words))
-    return min(found, default=(0.0, ""))[1]
+            guesses.append((distance + 2 * (sum(differ) - 1) * (not same), words))
+    return min(guesses, default=(0.0, ""))[1]
 
 
 def _text(length: float) -> str:
     size, name = next(
-        (one for one in ((1.0, "m"), (1e-3, "mm"), (1e-6, "um")) if length >= one[0]), (1e-9, "nm")
+        (unit for unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "um")) if length >= unit[0]), (1e-9, "nm")
     )
     return f"{length / size:.3g} {name}"

@@ -134,26 +134,26 @@ def measure(
     (True, True)
     """
     settings = settings or ScanSettings()
-    found = estimate((scans,) if isinstance(scans, Topography) else tuple(scans), settings)
-    flat, waves = found.scans, found.waves
-    above = [share_above(one, reliable.q_high) for one, reliable in zip(waves, found.ranges, strict=True)]
+    result = estimate((scans,) if isinstance(scans, Topography) else tuple(scans), settings)
+    flat, waves = result.scans, result.waves
+    tails = [share_above(modes, r.q_high) for modes, r in zip(waves, result.ranges, strict=True)]
     skewness, kurtosis = shape_moments(flat)
-    lay = anisotropy(waves, found.ranges)
-    finest = max(found.ranges, key=lambda one: one.q_high)
-    height_above = float(np.average(above, weights=found.variances))
-    measured = PowerSpectrum(*found.measured_nodes)
-    cut = found.continued_nodes is found.measured_nodes
+    lay = anisotropy(waves, result.ranges)
+    finest = max(result.ranges, key=lambda reliable: reliable.q_high)
+    height_above = float(np.average(tails, weights=result.variances))
+    measured = PowerSpectrum(*result.measured_nodes)
+    is_cut = result.continued_nodes is result.measured_nodes
     return MeasuredSurface(
-        spectrum=measured if cut else PowerSpectrum(*found.continued_nodes),
+        spectrum=measured if is_cut else PowerSpectrum(*result.continued_nodes),
         measured=measured,
-        log_error=found.log_error,
-        rms_height=float(np.sqrt(found.variances.mean())),
-        scan_rms_heights=tuple(float(one) for one in np.sqrt(found.variances)),
+        log_error=result.log_error,
+        rms_height=float(np.sqrt(result.variances.mean())),
+        scan_rms_heights=tuple(float(height) for height in np.sqrt(result.variances)),
         skewness=skewness,
         kurtosis=kurtosis,
         anisotropy=lay.ratio if lay else None,
         lay_angle=lay.angle if lay else None,
-        rolloff=found.rolloff,
+        rolloff=result.rolloff,
         q_low=measured.q_low,
         q_high=measured.q_high,
         limit=finest.limit,
@@ -162,8 +162,8 @@ def measure(
         scans=flat,
         settings=settings,
         warnings=(
-            *remarks_on_shape(flat, waves, settings, skewness, kurtosis, found.outliers, lay),
-            *remarks_on_range(flat, finest, settings, found.rolloff, height_above),
+            *remarks_on_shape(flat, waves, settings, skewness, kurtosis, result.outliers, lay),
+            *remarks_on_range(flat, finest, settings, result.rolloff, height_above),
         ),
     )
 
@@ -219,20 +219,20 @@ def anisotropy(modes: Sequence[Periodogram], ranges: Sequence[ReliableRange]) ->
     ratio of the eigenvalues of <q q^T/q^2> is a/b whatever the profile of C is.
     """
     tensors, waves = [], 0.0
-    for one, reliable in zip(modes, ranges, strict=True):
+    for scan, reliable in zip(modes, ranges, strict=True):
         # below the first wave along the shorter side, and above the last one along each, directions are missing
-        low, high = float(one.step.max()), min(reliable.q_high, float(one.vector.max(axis=0).min()))
-        inside = (one.wavenumber > low * (1 - 1e-9)) & (one.wavenumber < high)
-        if one.dimension == 2 and np.count_nonzero(inside) > 1:
-            direction = one.vector[inside] / one.wavenumber[inside, None]
-            share = one.shares[inside] / one.shares[inside].sum()
+        low, high = float(scan.step.max()), min(reliable.q_high, float(scan.vector.max(axis=0).min()))
+        is_whole = (scan.wavenumber > low * (1 - 1e-9)) & (scan.wavenumber < high)
+        if scan.dimension == 2 and np.count_nonzero(is_whole) > 1:
+            direction = scan.vector[is_whole] / scan.wavenumber[is_whole, None]
+            share = scan.shares[is_whole] / scan.shares[is_whole].sum()
             tensors.append(np.einsum("n,ni,nj->ij", share, direction, direction))
             waves += 1.0 / float(np.sum(share**2))
     if not tensors:
         return None
     values, vectors = np.linalg.eigh(np.mean(tensors, axis=0))
-    across = vectors[:, 1]
-    angle = float(np.arctan2(across[1], across[0]) + 0.5 * np.pi)
+    crests = vectors[:, 1]
+    angle = float(np.arctan2(crests[1], crests[0]) + 0.5 * np.pi)
     # each wave has one direction: the two eigenvalues of n random ones differ by about 1/sqrt(n) of their mean
     return Lay(float(values[1] / max(values[0], 1e-9)), angle % np.pi, 1.0 + _SCATTER / np.sqrt(waves))
 
@@ -254,18 +254,18 @@ def remarks_on_shape(
     form = max(_parabola_share(scan) for scan in scans)
     if settings.detrend != "curvature" and form > _FORM:
         remarks.append(_remark("form", share=form))
-    for scan, one in zip(scans, modes, strict=True):
-        shares = one.shares / one.shares.sum()
+    for scan, scan_modes in zip(scans, modes, strict=True):
+        shares = scan_modes.shares / scan_modes.shares.sum()
         # a window spreads one wave over neighbouring modes
-        together = np.convolve(shares, np.ones(3), mode="same") if one.dimension == 1 else shares
+        merged = np.convolve(shares, np.ones(3), mode="same") if scan_modes.dimension == 1 else shares
         if shares.size < _FEWEST_WAVES:
             continue
-        together = np.where(one.wavenumber >= _PERIODS * one.step.min(), together, 0.0)
-        strongest = int(np.argmax(together))
-        if together[strongest] > _ONE_WAVE:
-            length = um(2 * np.pi / one.wavenumber[strongest])
+        merged = np.where(scan_modes.wavenumber >= _PERIODS * scan_modes.step.min(), merged, 0.0)
+        strongest = int(np.argmax(merged))
+        if merged[strongest] > _ONE_WAVE:
+            length = um(2 * np.pi / scan_modes.wavenumber[strongest])
             remarks.append(
-                _remark("one_wave", scan=scan.name or "scan", length=length, share=together[strongest])
+                _remark("one_wave", scan=scan.name or "scan", length=length, share=merged[strongest])
             )
     if lay is not None and lay.ratio > max(_LAY, lay.chance):
         remarks.append(_remark("lay", ratio=lay.ratio, across=1.0 / lay.ratio))
@@ -275,14 +275,14 @@ def remarks_on_shape(
 def _on_outliers(
     scans: Sequence[Topography], settings: ScanSettings, outliers: Sequence[FoundOutliers]
 ) -> Iterator[str]:
-    for scan, found in zip(scans, outliers, strict=True):
-        if not found.count:
+    for scan, spots in zip(scans, outliers, strict=True):
+        if not spots.count:
             continue
-        several, height = "s" * (found.count != 1), _length(found.height)
-        those = _remark(
-            "outliers", scan=scan.name or "scan", count=found.count, s=several, height=height, pits=found.pits
+        several, height = "s" * (spots.count != 1), _length(spots.height)
+        remark = _remark(
+            "outliers", scan=scan.name or "scan", count=spots.count, s=several, height=height, pits=spots.pits
         )
-        yield _remark("removed" if settings.outliers == "remove" else "kept", outliers=those)
+        yield _remark("removed" if settings.outliers == "remove" else "kept", outliers=remark)
 
 
 def remarks_on_range(
@@ -298,11 +298,11 @@ def remarks_on_range(
     if high > _TOO_SHORT * low:
         length, total = max(scan.length for scan in scans), sum(scan.length for scan in scans)
         if rolloff.wavenumber is None:
-            holds, wanted = _remark("no_rolloff"), _remark("longer")
+            holds, remedy = _remark("no_rolloff"), _remark("longer")
         else:
             wave = 2.0 * np.pi / rolloff.wavenumber
             holds = _remark("few_waves", waves=total / wave, wave=_length(wave))
-            wanted = _remark("more_waves", length=_length(_ENOUGH * wave))
+            remedy = _remark("more_waves", length=_length(_ENOUGH * wave))
         remarks.append(
             _remark(
                 "too_short",
@@ -311,14 +311,14 @@ def remarks_on_range(
                 low=low,
                 high=high,
                 confidence=CONFIDENCE,
-                wanted=wanted,
+                wanted=remedy,
             )
         )
     if settings.extrapolation == "cut" and finest.limit in ("tip radius", "shortest wavelength"):
-        sampled = max(np.pi / scan.resolution for scan in scans)
-        end = sampled if sampled > 1.5 * finest.q_high else 4.0 * finest.q_high
-        fitted = rolloff.hurst
-        hurst = fitted if fitted is not None and 0.0 < fitted <= 1.0 else 0.8
+        sampling_limit = max(np.pi / scan.resolution for scan in scans)
+        end = sampling_limit if sampling_limit > 1.5 * finest.q_high else 4.0 * finest.q_high
+        fitted_hurst = rolloff.hurst
+        hurst = fitted_hurst if fitted_hurst is not None and 0.0 < fitted_hurst <= 1.0 else 0.8
         shortest = _length(2 * np.pi / finest.q_high)
         remarks.append(_remark("too_coarse", wave=shortest, limit=finest.limit, hurst=hurst, end=end))
     if height_above > _CUT:
@@ -336,7 +336,7 @@ def _remarks() -> dict[str, str]:
 
 
 def _length(value: float) -> str:
-    unit, size = next((one for one in (("mm", 1e-3), ("um", 1e-6)) if value >= 0.1 * one[1]), ("nm", 1e-9))
+    unit, size = next((end for end in (("mm", 1e-3), ("um", 1e-6)) if value >= 0.1 * end[1]), ("nm", 1e-9))
     return f"{value / size:.3g} {unit}"
 
 

@@ -122,20 +122,20 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     beyond : ndarray
         Edges of the pieces of C that a line scan sees, over all wavenumbers [1/m].
     """
-    inside = np.flatnonzero(
+    places = np.flatnonzero(
         (modes.wavenumber >= edges[0] * (1 - 1e-9)) & (modes.wavenumber <= edges[-1] * (1 + 1e-9))
     )
-    bins = np.clip(np.searchsorted(edges, modes.wavenumber[inside] * (1 + 1e-9)) - 1, 0, edges.size - 2)
-    groups = [inside[bins == k] for k in np.unique(bins)]
+    bins = np.clip(np.searchsorted(edges, modes.wavenumber[places] * (1 + 1e-9)) - 1, 0, edges.size - 2)
+    groups = [places[bins == k] for k in np.unique(bins)]
     count = np.array([group.size for group in groups])
     # correlated only with those modes that are in the same bin
-    tied = (_CORRELATION[modes.window] - 1.0) * (1.0 - 1.0 / count) + 1.0
+    correlation = (_CORRELATION[modes.window] - 1.0) * (1.0 - 1.0 / count) + 1.0
     build = _line_weights if modes.dimension == 1 else _map_weights
     samples, weights = build(modes, groups, beyond)
     return Evidence(
         np.array([modes.wavenumber[group].mean() for group in groups]),
         np.array([modes.power[group].mean() for group in groups]),
-        np.maximum(count / tied**modes.dimension, 1.0),
+        np.maximum(count / correlation**modes.dimension, 1.0),
         samples,
         weights,
     )
@@ -143,22 +143,22 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
 
 def pool_scans(evidence: Sequence[Evidence]) -> list[Evidence]:
     """Scans of the same length and spacing as one scan: as likely for every spectrum, but for a constant."""
-    found: list[Evidence] = []
-    for one in evidence:
+    pools: list[Evidence] = []
+    for scan in evidence:
         same = (
             n
-            for n, other in enumerate(found)
-            if other.weights.shape == one.weights.shape and np.allclose(other.weights, one.weights, rtol=1e-9)
+            for n, pool in enumerate(pools)
+            if pool.weights.shape == scan.weights.shape and np.allclose(pool.weights, scan.weights, rtol=1e-9)
         )
         n = next(same, None)
         if n is None:
-            found.append(one)
+            pools.append(scan)
             continue
-        other = found[n]
-        freedom = other.freedom + one.freedom
-        mean = (other.density * other.freedom + one.density * one.freedom) / freedom
-        found[n] = replace(other, density=mean, freedom=freedom)
-    return found
+        pool = pools[n]
+        freedom = pool.freedom + scan.freedom
+        mean = (pool.density * pool.freedom + scan.density * scan.freedom) / freedom
+        pools[n] = replace(pool, density=mean, freedom=freedom)
+    return pools
 
 
 def _line_weights(
@@ -178,14 +178,14 @@ def _rows_of_spans(
     """The same of all scans of one length: bins by the first mode and that behind the last one; not to be changed."""
     shift, share = (np.array(list(column)) for column in zip(*_NEIGHBOURS[window].items(), strict=True))
     rows = []
-    for first, behind in spans:
-        q = _thin_wavenumbers(step * np.arange(first + 1.0, behind + 1.0), _LINE_SAMPLES)
-        near, part = q[:, None] + shift * step, np.broadcast_to(share / q.size, (q.size, share.size))
-        real = near > 0.5 * step
-        rows.append(part[real] @ abel_weights(near[real], np.array(edges)))
-    found = np.array(rows)
-    found.flags.writeable = False
-    return found
+    for first, stop in spans:
+        q = _thin_wavenumbers(step * np.arange(first + 1.0, stop + 1.0), _LINE_SAMPLES)
+        q_near, part = q[:, None] + shift * step, np.broadcast_to(share / q.size, (q.size, share.size))
+        real = q_near > 0.5 * step
+        rows.append(part[real] @ abel_weights(q_near[real], np.array(edges)))
+    table = np.array(rows)
+    table.flags.writeable = False
+    return table
 
 
 def _thin_wavenumbers(q: FloatArray, most: int) -> FloatArray:
@@ -207,13 +207,13 @@ def _map_weights(
     centres = np.log(np.sqrt(edges[1:] * edges[:-1]))
     rows = np.zeros((len(groups), centres.size))
     for row, group in zip(rows, groups, strict=True):
-        few = group[:: 1 + group.size // _MAP_SAMPLES]
-        q = np.linalg.norm(modes.vector[few, None, :] + shifts, axis=2)
+        part = group[:: 1 + group.size // _MAP_SAMPLES]
+        q = np.linalg.norm(modes.vector[part, None, :] + shifts, axis=2)
         # the mean height is taken off, so nothing comes from there
         real = q > 0.25 * modes.step.min()
         piece = np.searchsorted(centres, np.log(np.where(real, q, 1.0)))
         np.add.at(
-            row, np.clip(piece, 0, centres.size - 1)[real], np.broadcast_to(share, q.shape)[real] / few.size
+            row, np.clip(piece, 0, centres.size - 1)[real], np.broadcast_to(share, q.shape)[real] / part.size
         )
     return np.exp(centres), rows
 

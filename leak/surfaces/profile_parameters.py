@@ -101,8 +101,8 @@ def implied_filter(parameter: str, value: float) -> ProfileFilter:
     """
     size = positive(SpectrumError, parameter, value, "m")
     limit, scale = ("Rz", 1.0) if parameter == "Rz" else ("Ra", RA_OVER_RQ if parameter == "Rq" else 1.0)
-    found = next(one for one in _CLASSES if size * scale <= one[limit] * _ON_THE_LIMIT)
-    return ProfileFilter(found["lambda_c"], found["lambda_s"])
+    row = next(row for row in _CLASSES if size * scale <= row[limit] * _ON_THE_LIMIT)
+    return ProfileFilter(row["lambda_c"], row["lambda_s"])
 
 
 @dataclass(frozen=True)
@@ -142,8 +142,8 @@ class ExpectedRoughness:
         ----------
         A. G. Davenport, Proc. Inst. Civ. Eng. 28, 187 (1964).
         """
-        far = math.sqrt(2.0 * math.log(max(self.waves, 2.0)))
-        return 2.0 * self.Rq * (far + _EULER / far)
+        reach = math.sqrt(2.0 * math.log(max(self.waves, 2.0)))
+        return 2.0 * self.Rq * (reach + _EULER / reach)
 
     def value(self, parameter: str) -> float:
         """One of them by its name, "Ra", "Rq" or "Rz" [m]."""
@@ -170,14 +170,14 @@ def expected_roughness(spectrum: PowerSpectrum, band: ProfileFilter) -> Expected
     1.0000
     """
     ends = divide_stretches(np.log(np.unique(spectrum.wavenumber)), _PIECE)
-    log_q, weight = (one.ravel() for one in gauss_panels(ends, _NODES))
+    log_q, weight = (values.ravel() for values in gauss_panels(ends, _NODES))
     q = np.exp(log_q)
     share = (np.arange(_ANGLES) + 0.5) / _ANGLES
-    along = q[:, None] * np.cos(0.5 * np.pi * share)
-    power = band.transmission(along) ** 2
+    q_along = q[:, None] * np.cos(0.5 * np.pi * share)
+    power = band.transmission(q_along) ** 2
     heights = 2.0 * np.pi * np.asarray(spectrum(q)) * q**2 * weight
     variance = float(heights @ power.mean(axis=1))
-    slope2 = float(heights @ (power * along**2).mean(axis=1))
+    slope2 = float(heights @ (power * q_along**2).mean(axis=1))
     waves = math.sqrt(slope2 / variance) / (2.0 * math.pi) * band.lambda_c if variance > 0.0 else 0.0
     return ExpectedRoughness(math.sqrt(variance), waves, band)
 
@@ -284,8 +284,8 @@ def roughness_parameters(
 def _parameters_across(scans: Sequence[Topography], band: ProfileFilter) -> RoughnessParameters:
     """Profiles of each direction on their own; the direction with the larger Ra crosses the lay."""
     directions = [list(_profiles(scans, axis)) for axis in (0, 1)]
-    found = [_mean([_evaluate(h, step, band) for h, step in lines]) for lines in directions if lines]
-    return max(found, key=lambda one: one.Ra)
+    means = [_mean([_evaluate(h, step, band) for h, step in lines]) for lines in directions if lines]
+    return max(means, key=lambda parameters: parameters.Ra)
 
 
 def _profiles(scans: Sequence[Topography], axis: int) -> list[tuple[FloatArray, float]]:
@@ -296,23 +296,23 @@ def _profiles(scans: Sequence[Topography], axis: int) -> list[tuple[FloatArray, 
             lines.append((scan.heights, scan.spacing))
         elif isinstance(scan, HeightMap):
             heights = scan.heights if axis == 0 else scan.heights.T
-            every = -(-heights.shape[1] // _MOST_LINES)
-            lines += [(heights[:, n], scan.spacing[axis]) for n in range(0, heights.shape[1], every)]
+            stride = -(-heights.shape[1] // _MOST_LINES)
+            lines += [(heights[:, n], scan.spacing[axis]) for n in range(0, heights.shape[1], stride)]
     return lines
 
 
 def _mean(parts: Sequence[RoughnessParameters]) -> RoughnessParameters:
     first = parts[0]
     mean = {
-        name: float(np.mean([getattr(one, name) for one in parts]))
+        name: float(np.mean([getattr(part, name) for part in parts]))
         for name in ("Ra", "Rq", "Rz", "Rsk", "Rku")
     }
-    shortest = min(parts, key=lambda one: one.length)
-    remarks = tuple(dict.fromkeys(text for one in parts for text in one.remarks))
+    shortest = min(parts, key=lambda part: part.length)
+    remarks = tuple(dict.fromkeys(text for part in parts for text in part.remarks))
     return RoughnessParameters(
         **mean,
         filter=first.filter,
-        sections=min(one.sections for one in parts),
+        sections=min(part.sections for part in parts),
         length=shortest.length,
         profiles=len(parts),
         remarks=remarks,
@@ -337,27 +337,27 @@ def _evaluate(heights: FloatArray, step: float, band: ProfileFilter) -> Roughnes
             f"{band.lambda_c * 1e3:.3g} mm between run-in and run-out: the values are those of the whole scan and too "
             "small"
         )
-        used, parts = profile, [profile]
+        evaluated, parts = profile, [profile]
     else:
         count = min(count, SECTIONS)
         start = (profile.size - count * section) // 2
-        used = profile[start : start + count * section]
-        parts = list(used.reshape(count, section))
+        evaluated = profile[start : start + count * section]
+        parts = list(evaluated.reshape(count, section))
         if count < SECTIONS:
             remarks.append(
                 f"the scan holds {count} of the {SECTIONS} sections of {band.lambda_c * 1e3:.3g} mm"
             )
-    used = used - used.mean()
-    Rq = float(np.sqrt(np.mean(used**2)))
+    evaluated = evaluated - evaluated.mean()
+    Rq = float(np.sqrt(np.mean(evaluated**2)))
     return RoughnessParameters(
-        float(np.mean(np.abs(used))),
+        float(np.mean(np.abs(evaluated))),
         Rq,
         float(np.mean([part.max() - part.min() for part in parts])),
-        float(np.mean(used**3)) / Rq**3 if Rq > 0.0 else math.nan,
-        float(np.mean(used**4)) / Rq**4 if Rq > 0.0 else math.nan,
+        float(np.mean(evaluated**3)) / Rq**3 if Rq > 0.0 else math.nan,
+        float(np.mean(evaluated**4)) / Rq**4 if Rq > 0.0 else math.nan,
         band,
         max(count, 0),
-        used.size * step,
+        evaluated.size * step,
         1,
         tuple(remarks),
     )
@@ -398,5 +398,5 @@ def _smooth(heights: FloatArray, spacing: float, cutoff: float) -> FloatArray:
     at = np.arange(-reach, reach + 1) * spacing / (_ALPHA * cutoff)
     weight = np.exp(-np.pi * at**2)
     level = float(np.mean(heights))
-    inside = fftconvolve(np.ones(heights.size), weight, mode="same")
-    return np.asarray(level + fftconvolve(heights - level, weight, mode="same") / inside)
+    inside_weight = fftconvolve(np.ones(heights.size), weight, mode="same")
+    return np.asarray(level + fftconvolve(heights - level, weight, mode="same") / inside_weight)

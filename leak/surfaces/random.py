@@ -58,8 +58,8 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
         first = np.searchsorted(edges, part.min(initial=np.inf))
         return edge_distance(part, edges[first:]) @ falls[first:]
 
-    found = np.concatenate([of(part) for part in np.array_split(q.ravel(), q.size // 2000 + 1)])
-    return float(found[0]) if np.ndim(wavenumber) == 0 else found.reshape(q.shape)
+    density = np.concatenate([of(part) for part in np.array_split(q.ravel(), q.size // 2000 + 1)])
+    return float(density[0]) if np.ndim(wavenumber) == 0 else density.reshape(q.shape)
 
 
 # Wavenumbers over which the square of a profile's spectrum is summed.
@@ -199,9 +199,9 @@ def random_map(
     """
     L = positive(ScanError, "size", size, "m")
     stretch = np.sqrt(positive(ScanError, "peklenik", peklenik, "-"))
-    n, m = (_count("points", one) for one in (points if isinstance(points, tuple) else (points, points)))
-    q, across = (2.0 * np.pi * np.fft.fftfreq(one, L / n) for one in (n, m))
-    C = np.asarray(spectrum(np.hypot(q[:, None] * stretch, across[None, :] / stretch)))
+    n, m = (_count("points", count) for count in (points if isinstance(points, tuple) else (points, points)))
+    q, q_y = (2.0 * np.pi * np.fft.fftfreq(count, L / n) for count in (n, m))
+    C = np.asarray(spectrum(np.hypot(q[:, None] * stretch, q_y[None, :] / stretch)))
     white = np.fft.fft2(np.random.default_rng(seed).standard_normal((n, m)))
     if amplitudes == "exact":
         white *= np.sqrt(n * m) / np.abs(white)

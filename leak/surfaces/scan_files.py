@@ -95,10 +95,10 @@ def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> T
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with open_topography(str(file)) as reader:
-                given = {} if reader.default_channel.unit is not None or unit is None else {"unit": "m"}
-                topography = reader.topography(**given)
+                options = {} if reader.default_channel.unit is not None or unit is None else {"unit": "m"}
+                topography = reader.topography(**options)
                 return _convert_units(
-                    topography, unit if given else None, reader.default_channel.unit, unit, file.name
+                    topography, unit if options else None, reader.default_channel.unit, unit, file.name
                 )
     except ScanError:
         raise
@@ -110,14 +110,14 @@ def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> T
 
 
 def _convert_units(
-    topography: Any, given: Unit | None, stated: object, unit: Unit | None, name: str
+    topography: Any, given_unit: Unit | None, stated_unit: object, unit: Unit | None, name: str
 ) -> Topography:
     """Heights and positions in metres."""
-    size = LENGTH_UNITS.get(str(stated).strip().lower()) if stated is not None else None
-    if stated is not None and size is None:
-        raise ScanError(f"its unit, {stated!r}, is not a length")
+    size = LENGTH_UNITS.get(str(stated_unit).strip().lower()) if stated_unit is not None else None
+    if stated_unit is not None and size is None:
+        raise ScanError(f"its unit, {stated_unit!r}, is not a length")
     in_x, in_h = (
-        agree_unit(column, size, one) for column, one in zip(("x", "height"), two_units(unit), strict=True)
+        agree_unit(column, size, to_m) for column, to_m in zip(("x", "height"), two_units(unit), strict=True)
     )
     return check_likely(_in_metres(topography, in_x, in_h, name), (in_x, in_h))
 
@@ -126,8 +126,8 @@ def _in_metres(topography: Any, in_x: float, in_h: float, name: str) -> Topograp
     tip = _tip_radius(topography.info)
     if topography.dim == 1 and not topography.is_uniform:
         x, h = (
-            size * np.asarray(one)
-            for one, size in zip(topography.positions_and_heights(), (in_x, in_h), strict=True)
+            size * np.asarray(values)
+            for values, size in zip(topography.positions_and_heights(), (in_x, in_h), strict=True)
         )
         check_length(x, h, (in_x, in_h))
         return line_scan(x, h, name=name, tip_radius=tip)
@@ -193,9 +193,9 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
     places = _places(table)
     if len(places) != 2:
         columns = table.values.shape[1]
-        named = f" ({', '.join(table.header)})" if table.header else ""
+        names = f" ({', '.join(table.header)})" if table.header else ""
         raise NotColumnsError(
-            f"line {table.lines[0]} holds {columns} column{'s' * (columns != 1)}{named}: must hold two, x and height"
+            f"line {table.lines[0]} holds {columns} column{'s' * (columns != 1)}{names}: must hold two, x and height"
         )
     try:
         table = only_table(tables)
@@ -210,8 +210,8 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
             "has numbers of points in place of x: it does not state how far apart the points are; give both columns"
         )
     units = [
-        agree_unit(name, _stated_unit(table, column), given)
-        for column, name, given in zip(places, ("x", "height"), two_units(unit), strict=True)
+        agree_unit(name, _stated_unit(table, column), to_m)
+        for column, name, to_m in zip(places, ("x", "height"), two_units(unit), strict=True)
     ]
     flag = _flag(table)
     valid = np.ones(len(table.values), dtype=bool) if flag is None else table.values[:, flag] != 0.0
@@ -247,15 +247,15 @@ def _runs_on(x: FloatArray) -> bool:
 
 
 def _stated_unit(table: TextTable, column: int) -> float | None:
-    found = _IN_HEADING.search(table.header[column]) if table.header else None
-    return LENGTH_UNITS[(found[1] or found[2]).lower()] if found else None
+    match = _IN_HEADING.search(table.header[column]) if table.header else None
+    return LENGTH_UNITS[(match[1] or match[2]).lower()] if match else None
 
 
 def _stated_tip_radius(table: TextTable) -> float | None:
     for _, line in table.lines_above:
-        found = _TIP.search(line[:_LONGEST_LINE])
-        if found and float(found[1]) > 0.0:
-            return float(found[1]) * LENGTH_UNITS[found[2].lower()]
+        match = _TIP.search(line[:_LONGEST_LINE])
+        if match and float(match[1]) > 0.0:
+            return float(match[1]) * LENGTH_UNITS[match[2].lower()]
     return None
 
 
@@ -266,8 +266,8 @@ def length_unit(name: object) -> float:
     """Size of a unit of length [m]; ScanError if it is none."""
     size = LENGTH_UNITS.get(name.strip().lower()) if isinstance(name, str) else None
     if size is None:
-        known = ", ".join(unit for unit in LENGTH_UNITS if unit.isascii())
-        raise ScanError(f"unit = {name!r}: must be a unit of length: {known}")
+        units = ", ".join(unit for unit in LENGTH_UNITS if unit.isascii())
+        raise ScanError(f"unit = {name!r}: must be a unit of length: {units}")
     return size
 
 
@@ -275,20 +275,20 @@ def two_units(unit: Unit | None) -> tuple[float | None, float | None]:
     """Sizes of the units of x and height, from one unit for both or from two [m]."""
     if unit is None:
         return None, None
-    both = [unit, unit] if isinstance(unit, str) else unit
-    if len(both) != 2:
+    units = [unit, unit] if isinstance(unit, str) else unit
+    if len(units) != 2:
         raise ScanError(f'unit = {unit!r}: must be one unit, or two, those of x and height: ["mm", "um"]')
-    return length_unit(both[0]), length_unit(both[1])
+    return length_unit(units[0]), length_unit(units[1])
 
 
-def agree_unit(column: str, stated: float | None, given: float | None) -> float:
+def agree_unit(column: str, file_unit: float | None, user_unit: float | None) -> float:
     """Unit of a column from what the file states and what the user gives; neither is overruled, none is guessed."""
-    if stated is None and given is None:
+    if file_unit is None and user_unit is None:
         raise ScanError(
             f'does not state the unit of {column}: give it, unit = "um", or two, unit = ["mm", "um"]'
         )
-    if stated is not None and given is not None and abs(stated - given) > 1e-9 * stated:
+    if file_unit is not None and user_unit is not None and abs(file_unit - user_unit) > 1e-9 * file_unit:
         raise ScanError(
-            f"unit: the file states that {column} is in units of {stated:g} m, but {given:g} m is given"
+            f"unit: the file states that {column} is in units of {file_unit:g} m, but {user_unit:g} m is given"
         )
-    return float(stated if stated is not None else given)  # type: ignore[arg-type]
+    return float(file_unit if file_unit is not None else user_unit)  # type: ignore[arg-type]

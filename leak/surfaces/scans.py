@@ -168,8 +168,8 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
         )
     # the widest gaps left aside, as long as they are a small part of the length
     widest = np.sort(steps)[::-1]
-    bridged = np.cumsum(widest)
-    resolution = float(widest[np.searchsorted(bridged, _NARROW * length)])
+    length_so_far = np.cumsum(widest)
+    resolution = float(widest[np.searchsorted(length_so_far, _NARROW * length)])
     if widest[0] > _WIDE * length:
         raise ScanError(
             f"x has a gap of {um(widest[0])} in a length of {um(length)}: allowed is a fifth of it"
@@ -227,17 +227,17 @@ def height_map(
         )
     if not all(_SMALLEST <= step <= _LARGEST for step in spacing):
         raise ScanError(f"spacing = {spacing}: must be two lengths from {_SMALLEST:g} to {_LARGEST:g} m")
-    missing = ~np.isfinite(h)
-    share = float(missing.mean())
+    gaps = ~np.isfinite(h)
+    share = float(gaps.mean())
     if share > _NARROW:
         raise ScanError(
             f"{share:.1%} of the map is missing: allowed is {_NARROW:.0%}; measure again or cut a piece out"
         )
     remarks: tuple[str, ...] = ()
     if share > 0.0:
-        h = fill_missing(h, missing)
+        h = fill_missing(h, gaps)
         remarks = (
-            f"{int(missing.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",
+            f"{int(gaps.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",
         )
     _not_flat(h)
     return HeightMap(h, (float(spacing[0]), float(spacing[1])), tip_radius, name, remarks)
@@ -256,9 +256,9 @@ def _check_scan(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
     largest = float(np.abs(x).max())
     if largest > _LARGEST:
         raise ScanError(f"x up to {largest:.3g} m: no length of a scan; check its unit")
-    back = np.flatnonzero(np.diff(x) <= 0.0)
-    if back.size:
-        i = int(back[0])
+    backwards = np.flatnonzero(np.diff(x) <= 0.0)
+    if backwards.size:
+        i = int(backwards[0])
         raise ScanError(f"x is not monotonic: {um(x[i], 9)} and {um(x[i + 1], 9)} follow each other")
     if np.ptp(x) < x.size * _SMALLEST:
         raise ScanError(f"x over {np.ptp(x):.3g} m: no length of a scan; check its unit")
@@ -276,29 +276,29 @@ def _is_even(x: FloatArray, spacing: float) -> bool:
     n = x.size
     i = np.arange(n) - 0.5 * (n - 1)
     slope = float(i @ x / (i @ i))
-    off = float(np.abs(x - x.mean() - slope * i).max())
-    return off <= _EVEN * spacing or off <= 0.6 * _find_rounding(x, 0.9 * spacing)
+    deviation = float(np.abs(x - x.mean() - slope * i).max())
+    return deviation <= _EVEN * spacing or deviation <= 0.6 * _find_rounding(x, 0.9 * spacing)
 
 
-def _find_rounding(x: FloatArray, below: float) -> float:
-    """Largest power of ten, up to `below`, of which all positions are multiples: the last digit they were given in."""
-    first = int(np.floor(np.log10(below)))
+def _find_rounding(x: FloatArray, limit: float) -> float:
+    """Largest power of ten, up to `limit`, of which all positions are multiples: the last digit they were given in."""
+    first = int(np.floor(np.log10(limit)))
     digits = [10.0**exponent for exponent in range(first, first - 4, -1)]
-    return next((one for one in digits if np.all(np.abs(x / one - np.round(x / one)) < 1e-6)), 0.0)
+    return next((digit for digit in digits if np.all(np.abs(x / digit - np.round(x / digit)) < 1e-6)), 0.0)
 
 
-def fill_missing(h: FloatArray, missing: BoolArray) -> FloatArray:
+def fill_missing(h: FloatArray, gaps: BoolArray) -> FloatArray:
     """Heights with those missing replaced by the nearest one, shape (nx, ny) [m]."""
     from scipy.ndimage import distance_transform_edt
 
-    nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
-    return np.asarray(h[tuple(nearest)])
+    neighbours = distance_transform_edt(gaps, return_distances=False, return_indices=True)
+    return np.asarray(h[tuple(neighbours)])
 
 
 def _without_polynomial(heights: FloatArray, degree: int) -> FloatArray:
     """Heights less the polynomial of a degree, in one or two variables, that is nearest to them (least squares)."""
     legendre = [np.polynomial.legendre.legvander(np.linspace(-1, 1, n), degree) for n in heights.shape]
-    orders = (one for one in product(range(degree + 1), repeat=heights.ndim) if sum(one) <= degree)
+    orders = (powers for powers in product(range(degree + 1), repeat=heights.ndim) if sum(powers) <= degree)
     terms = [
         reduce(np.multiply.outer, [P[:, k] for P, k in zip(legendre, order, strict=True)]).ravel()
         for order in orders
@@ -355,31 +355,31 @@ def find_outliers(scan: Topography) -> FoundOutliers:
     """
     from scipy.ndimage import label
 
-    away = np.zeros(scan.heights.shape)
+    excess = np.zeros(scan.heights.shape)
     for distance in _DISTANCES:
         sides = [_height_over_both(scan.heights, distance, axis) for axis in range(scan.heights.ndim)]
         least = np.min(np.abs(sides), axis=0)
-        away = np.where(least > np.abs(away), np.copysign(least, sides[0]), away)
-    points = away != 0.0
+        excess = np.where(least > np.abs(excess), np.copysign(least, sides[0]), excess)
+    points = excess != 0.0
     if points.mean() > _MOST:
-        points[...], away[...] = False, 0.0
+        points[...], excess[...] = False, 0.0
     places, count = label(points, np.ones((3,) * points.ndim, bool))
-    pits = np.unique(places[points & (away < 0.0)]).size
-    return FoundOutliers(points, int(count), int(pits), float(np.abs(away).max()))
+    pits = np.unique(places[points & (excess < 0.0)]).size
+    return FoundOutliers(points, int(count), int(pits), float(np.abs(excess).max()))
 
 
-def without_outliers(scan: Topography, found: FoundOutliers) -> Topography:
+def without_outliers(scan: Topography, outliers: FoundOutliers) -> Topography:
     """The scan with its outliers, and the points beside them, replaced by what surrounds them."""
     from scipy.ndimage import binary_dilation
 
-    if not found.count:
+    if not outliers.count:
         return scan
-    replaced = binary_dilation(found.points, np.ones((3,) * found.points.ndim, bool))
+    gaps = binary_dilation(outliers.points, np.ones((3,) * outliers.points.ndim, bool))
     if isinstance(scan, LineScan):
         x = np.arange(scan.heights.size)
-        heights = np.interp(x, x[~replaced], scan.heights[~replaced])
+        heights = np.interp(x, x[~gaps], scan.heights[~gaps])
     else:
-        heights = fill_missing(scan.heights, replaced)
+        heights = fill_missing(scan.heights, gaps)
     return replace(scan, heights=heights)
 
 
@@ -389,16 +389,16 @@ def _height_over_both(heights: FloatArray, distance: int, axis: int) -> FloatArr
     Zero where it lies above one and below the other, at the ends, and where that is no more than chance.
     """
     h = np.moveaxis(heights, axis, 0)
-    out = np.zeros_like(h)
+    excess = np.zeros_like(h)
     if h.shape[0] > 2 * distance:
         steps = h[distance:] - h[:-distance]
         # 0.6745: median of the absolute value of a normal variable
         deviation = float(np.median(np.abs(steps))) / 0.6745
-        before, after = steps[:-distance], -steps[distance:]
-        nearer = np.where(np.abs(before) < np.abs(after), before, after)
-        alone = (before * after > 0.0) & (np.abs(nearer) > _ALONE * deviation) & (deviation > 0.0)
-        out[distance:-distance] = np.where(alone, nearer, 0.0)
-    return np.moveaxis(out, 0, axis)
+        step_in, step_out = steps[:-distance], -steps[distance:]
+        nearer = np.where(np.abs(step_in) < np.abs(step_out), step_in, step_out)
+        alone = (step_in * step_out > 0.0) & (np.abs(nearer) > _ALONE * deviation) & (deviation > 0.0)
+        excess[distance:-distance] = np.where(alone, nearer, 0.0)
+    return np.moveaxis(excess, 0, axis)
 
 
 # -------------------------------------------------------------------- settings
@@ -483,13 +483,13 @@ class ScanSettings:
     outliers: Outliers = "keep"
 
     def __post_init__(self) -> None:
-        for name, value, known in (
+        for name, value, words in (
             ("detrend", self.detrend, DETRENDS),
             ("window", self.window, WINDOWS),
             ("outliers", self.outliers, OUTLIERS),
         ):
-            if value not in known:
-                raise ScanError(f"{name} = {value!r}: must be " + " or ".join(f'"{one}"' for one in known))
+            if value not in words:
+                raise ScanError(f"{name} = {value!r}: must be " + " or ".join(f'"{word}"' for word in words))
         for name, length in (
             ("tip_radius", self.tip_radius),
             ("shortest_wavelength", self.shortest_wavelength),

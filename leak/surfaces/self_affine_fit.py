@@ -123,8 +123,8 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane,
     J. Am. Stat. Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
     """
-    seen = pool_scans([_trusted_bins(one, _TRUSTED * nodes[-1]) for one in evidence])
-    lines = _Lines.through(np.log(nodes), seen)
+    trusted_bins = pool_scans([_trusted_bins(scan, _TRUSTED * nodes[-1]) for scan in evidence])
+    lines = _Lines.through(np.log(nodes), trusted_bins)
     waves = _scatter_of_waves(evidence)
     if lines is None:
         height = TrueHeight(*_mixture(np.ones(1), np.zeros(1), np.array([waves])))
@@ -135,9 +135,9 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     error = np.hypot(error, _MISSING * np.maximum(1.0 - hurst, 0.0))
     value, probability = _mixture(lines.weight, hurst, error)
     ends = np.interp(_ENDS, probability, value)
-    known = bool(ends[1] - ends[0] <= _WIDEST)
+    is_narrow = bool(ends[1] - ends[0] <= _WIDEST)
     mean = float(lines.weight @ hurst)
-    spread = float(np.sqrt(lines.weight @ (error**2 + (hurst - mean) ** 2)))
+    deviation = float(np.sqrt(lines.weight @ (error**2 + (hurst - mean) ** 2)))
     corner, crossing = lines.corner[best], lines.crossing[best]
     log_height, height_error = lines.log_height(high)
     log_ratio = log_height - 0.5 * np.log(variance)
@@ -149,24 +149,24 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
         float(np.exp(crossing)) if crossing > low + 1.5 * (high - low) / (nodes.size - 1) else None,
         float(np.exp(max(corner, low))),
         float(np.exp(min(lines.end[best], high))),
-        mean if known else None,
-        spread if known else None,
-        (float(ends[0]), float(ends[1])) if known else None,
+        mean if is_narrow else None,
+        deviation if is_narrow else None,
+        (float(ends[0]), float(ends[1])) if is_narrow else None,
         TrueHeight(*_mixture(lines.weight, log_ratio, height_error)),
     )
 
 
-def _trusted_bins(one: Evidence, last: float) -> Evidence:
+def _trusted_bins(scan: Evidence, last: float) -> Evidence:
     """Bins without aliasing, and coarser pieces of C."""
-    keep = (one.wavenumber <= last) & (one.wavenumber > 1.5 * one.wavenumber[0])
-    firsts = np.arange(0, one.samples.size, _COARSER)
-    count = np.diff(np.append(firsts, one.samples.size))
+    keep = (scan.wavenumber <= last) & (scan.wavenumber > 1.5 * scan.wavenumber[0])
+    firsts = np.arange(0, scan.samples.size, _COARSER)
+    count = np.diff(np.append(firsts, scan.samples.size))
     return Evidence(
-        one.wavenumber[keep],
-        one.density[keep],
-        one.freedom[keep],
-        np.exp(np.add.reduceat(np.log(one.samples), firsts) / count),
-        np.add.reduceat(one.weights[keep], firsts, axis=1),
+        scan.wavenumber[keep],
+        scan.density[keep],
+        scan.freedom[keep],
+        np.exp(np.add.reduceat(np.log(scan.samples), firsts) / count),
+        np.add.reduceat(scan.weights[keep], firsts, axis=1),
     )
 
 
@@ -194,22 +194,22 @@ class _Lines:
     weight: FloatArray
 
     @classmethod
-    def through(cls, x: FloatArray, seen: Sequence[Evidence]) -> _Lines | None:
+    def through(cls, x: FloatArray, evidence: Sequence[Evidence]) -> _Lines | None:
         """All that are a roll-off and a self-affine part; None if the data show no such thing."""
         places = _places(x)
-        if not places.size or not any(one.density.size for one in seen):
+        if not places.size or not any(scan.density.size for scan in evidence):
             return None
         start, corner, end = places.T
-        bases = [_basis(np.log(one.samples)[None, :], start, corner, end) for one in seen]
-        values, cost, covariance, usable = _most_likely(bases, seen)
-        shoulder, slope, behind = values[:, 1:].T
+        bases = [_basis(np.log(scan.samples)[None, :], start, corner, end) for scan in evidence]
+        values, cost, covariance, usable = _most_likely(bases, evidence)
+        shoulder, slope, fall_behind = values[:, 1:].T
         usable &= slope < _LEAST_FALL
         usable &= (corner == start) | ((shoulder < 0.0) & (shoulder > slope + _BEND))
-        usable &= np.isinf(end) | (behind > _LEAST_FALL) | (behind < _MOST_FALL)
+        usable &= np.isinf(end) | (fall_behind > _LEAST_FALL) | (fall_behind < _MOST_FALL)
         if not usable.any():
             return None
         # a surface that is no broken power law scatters more about it than chance does: it is known less well
-        bins = sum(one.density.size for one in seen)
+        bins = sum(scan.density.size for scan in evidence)
         excess = max(1.0, 2.0 * float(cost[usable].min()) / max(bins - values.shape[1], 1))
         if excess > _NO_LINE:
             return None
@@ -255,21 +255,21 @@ class _Lines:
 def _places(x: FloatArray) -> FloatArray:
     """Where the pieces may meet: start, corner and end in ln q, shape (lines, 3)."""
     step, last = x[1] - x[0], x[-1] + np.log(_TRUSTED)
-    below = x[0] - step * np.arange(int(_BELOW / step), 0, -1)
-    starts, ends = np.concatenate([below, x[:-1]]), np.append(x[::-1][1::_EVERY], np.inf)
+    x_below = x[0] - step * np.arange(int(_BELOW / step), 0, -1)
+    starts, ends = np.concatenate([x_below, x[:-1]]), np.append(x[::-1][1::_EVERY], np.inf)
     start, shoulder, end = (
-        one.ravel() for one in np.meshgrid(starts, np.array(_SHOULDERS), ends, indexing="ij")
+        values.ravel() for values in np.meshgrid(starts, np.array(_SHOULDERS), ends, indexing="ij")
     )
     corner = start + shoulder
     # what lies below the range shows no shoulder
-    shown = (shoulder == 0.0) | (start > x[0] + 0.5 * step)
-    long = np.minimum(end, last) - np.maximum(corner, x[0]) > _SHORTEST - 1e-9
-    return np.stack([start, corner, end], axis=1)[shown & (np.isinf(end) | (end < last)) & long]
+    is_real = (shoulder == 0.0) | (start > x[0] + 0.5 * step)
+    is_long = np.minimum(end, last) - np.maximum(corner, x[0]) > _SHORTEST - 1e-9
+    return np.stack([start, corner, end], axis=1)[is_real & (np.isinf(end) | (end < last)) & is_long]
 
 
 def _basis(x: FloatArray, start: FloatArray, corner: FloatArray, end: FloatArray) -> FloatArray:
     """Broken lines as a sum, shape (lines, x, 4): level, and how far into each piece x is."""
-    start, corner, end = (one[:, None] for one in (start, corner, end))
+    start, corner, end = (values[:, None] for values in (start, corner, end))
     pieces = (
         np.ones(np.broadcast_shapes(x.shape, start.shape)),
         np.clip(x, start, corner) - start,
@@ -280,79 +280,79 @@ def _basis(x: FloatArray, start: FloatArray, corner: FloatArray, end: FloatArray
 
 
 def _most_likely(
-    bases: Sequence[FloatArray], seen: Sequence[Evidence]
+    bases: Sequence[FloatArray], evidence: Sequence[Evidence]
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """Values of all lines by Fisher scoring: values, minus ln likelihood, covariance, and whether each converged."""
     lines = bases[0].shape[0]
-    expected = np.array([0.0, *_SLOPES])
-    values = np.tile(expected, (lines, 1))
-    values[:, 0] = _level(bases[0], expected, seen[0])
+    usual = np.array([0.0, *_SLOPES])
+    values = np.tile(usual, (lines, 1))
+    values[:, 0] = _level(bases[0], usual, evidence[0])
     cost, longest = np.empty(lines), np.empty(lines)
     curvature: FloatArray = np.empty((lines, 4, 4))
     # the samples last: power and slopes of all lines are then one product of matrices each
-    bases, moving = [np.ascontiguousarray(np.swapaxes(basis, 1, 2)) for basis in bases], np.arange(lines)
+    bases, active = [np.ascontiguousarray(np.swapaxes(basis, 1, 2)) for basis in bases], np.arange(lines)
     for _ in range(_MOST_STEPS):
-        cost[moving], gradient, curvature[moving] = _likelihood(values[moving], expected, bases, seen)
-        step = np.linalg.solve(curvature[moving], gradient[..., None])[..., 0]
-        longest[moving] = np.abs(step).max(axis=1)
+        cost[active], gradient, curvature[active] = _likelihood(values[active], usual, bases, evidence)
+        step = np.linalg.solve(curvature[active], gradient[..., None])[..., 0]
+        longest[active] = np.abs(step).max(axis=1)
         # most lines need a few steps, the last of them some twenty
-        far = longest[moving] >= _CONVERGED
-        if not far.any():
+        is_far = longest[active] >= _CONVERGED
+        if not is_far.any():
             break
-        moving, step = moving[far], step[far]
-        bases = [basis[far] for basis in bases]
-        values[moving] -= step * np.minimum(1.0, _LONGEST_STEP / longest[moving])[:, None]
+        active, step = active[is_far], step[is_far]
+        bases = [basis[is_far] for basis in bases]
+        values[active] -= step * np.minimum(1.0, _LONGEST_STEP / longest[active])[:, None]
     covariance = np.asarray(np.linalg.inv(curvature), dtype=float)
     return values, cost, covariance, longest < _USABLE
 
 
 def _likelihood(
-    values: FloatArray, expected: FloatArray, bases: Sequence[FloatArray], seen: Sequence[Evidence]
+    values: FloatArray, usual: FloatArray, bases: Sequence[FloatArray], evidence: Sequence[Evidence]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Minus ln likelihood of lines, its gradient and its expected curvature; `bases` of shape (lines, 4, samples)."""
     stiffness = np.diag([1e-9, *_SPREADS**-2.0])
-    off = values - expected
-    off[:, 0] = 0.0
-    cost = 0.5 * np.sum(off @ stiffness * off, axis=1)
-    gradient = off @ stiffness
+    shift = values - usual
+    shift[:, 0] = 0.0
+    cost = 0.5 * np.sum(shift @ stiffness * shift, axis=1)
+    gradient = shift @ stiffness
     curvature = np.tile(stiffness, (len(values), 1, 1))
-    for basis, one in zip(bases, seen, strict=True):
+    for basis, scan in zip(bases, evidence, strict=True):
         C = np.exp(np.clip(np.einsum("lks,lk->ls", basis, values), -600.0, 300.0))
-        power = np.maximum(C @ one.weights.T, np.finfo(float).tiny)
+        power = np.maximum(C @ scan.weights.T, np.finfo(float).tiny)
         # of the power's logarithm; the level raises all of it alike
         slope = np.ones((len(values), 4, power.shape[1]))
-        bent = (C[:, None, :] * basis[:, 1:]).reshape(-1, C.shape[1]) @ one.weights.T
-        slope[:, 1:] = bent.reshape(len(values), 3, -1) / power[:, None, :]
-        ratio = np.minimum(one.density / power, 1e30)
-        n = one.freedom
-        cost += np.sum(n * (np.log(power / one.density) + ratio - 1.0), axis=1)
+        weighted = (C[:, None, :] * basis[:, 1:]).reshape(-1, C.shape[1]) @ scan.weights.T
+        slope[:, 1:] = weighted.reshape(len(values), 3, -1) / power[:, None, :]
+        ratio = np.minimum(scan.density / power, 1e30)
+        n = scan.freedom
+        cost += np.sum(n * (np.log(power / scan.density) + ratio - 1.0), axis=1)
         gradient += np.einsum("lkb,lb->lk", slope, n * (1.0 - ratio))
         curvature += np.matmul(n * slope, np.swapaxes(slope, 1, 2))
     return cost, gradient, curvature
 
 
-def _level(basis: FloatArray, values: FloatArray, one: Evidence) -> FloatArray:
+def _level(basis: FloatArray, values: FloatArray, scan: Evidence) -> FloatArray:
     """Level at which lines with given slopes have the measured power on average, shape (lines,)."""
     C = np.exp(basis @ values)
-    off = np.log(one.density) - np.log(np.maximum(C @ one.weights.T, np.finfo(float).tiny))
-    return np.average(off, axis=1, weights=one.freedom)
+    excess = np.log(scan.density) - np.log(np.maximum(C @ scan.weights.T, np.finfo(float).tiny))
+    return np.average(excess, axis=1, weights=scan.freedom)
 
 
 def _mixture(weight: FloatArray, mean: FloatArray, error: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Value and cumulative probability of a mixture of normal distributions."""
     from scipy.special import ndtr
 
-    likely = weight > 1e-6 * weight.max()
-    weight, mean, error = weight[likely], mean[likely], np.maximum(error[likely], 1e-6)
+    is_likely = weight > 1e-6 * weight.max()
+    weight, mean, error = weight[is_likely], mean[is_likely], np.maximum(error[is_likely], 1e-6)
     value = np.linspace(float((mean - 5 * error).min()), float((mean + 5 * error).max()), 2001)
     share = np.sum(weight[:, None] * ndtr((value - mean[:, None]) / error[:, None]), axis=0) / weight.sum()
     # np.interp needs increasing probabilities
-    rising = np.append(True, np.diff(share) > 0.0)
-    return value[rising], share[rising]
+    is_rising = np.append(True, np.diff(share) > 0.0)
+    return value[is_rising], share[is_rising]
 
 
 def _scatter_of_waves(evidence: Sequence[Evidence]) -> float:
     """Standard deviation of ln rms height from the number of waves that carry it, whatever the spectrum is."""
-    share = np.concatenate([one.density / one.density.sum() * one.freedom for one in evidence])
-    freedom = np.concatenate([one.freedom for one in evidence])
+    share = np.concatenate([scan.density / scan.density.sum() * scan.freedom for scan in evidence])
+    freedom = np.concatenate([scan.freedom for scan in evidence])
     return 0.5 * float(np.sqrt(np.sum(share**2 / freedom)) / np.sum(share))

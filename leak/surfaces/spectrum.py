@@ -233,11 +233,11 @@ class PowerSpectrum:
     def __call__(self, wavenumber: ArrayLike) -> FloatArray | float:
         """C at `wavenumber` [m^4]; zero outside the nodes. Scalars stay scalars."""
         q = np.asarray(wavenumber, dtype=float)
-        inside = (q >= self.q_low) & (q <= self.q_high)
-        safe = np.where(inside, q, self.q_low)
+        is_held = (q >= self.q_low) & (q <= self.q_high)
+        safe = np.where(is_held, q, self.q_low)
         k = self._piece_of(safe)
         log_C = self._log_C[k] + self._slope[k] * (np.log(safe) - self._log_q[k])
-        values = np.where(inside, np.exp(log_C), 0.0)
+        values = np.where(is_held, np.exp(log_C), 0.0)
         return float(values) if values.ndim == 0 else values
 
     def log_density(self, log_wavenumber: FloatArray) -> FloatArray:
@@ -266,8 +266,8 @@ class PowerSpectrum:
     @property
     def shape(self) -> PowerSpectrum:
         """The spectrum of which this one and others are `scaled` copies; itself where it is none."""
-        found: PowerSpectrum = vars(self).get("_shape", self)
-        return found
+        shape: PowerSpectrum = vars(self).get("_shape", self)
+        return shape
 
     def __add__(self, other: PowerSpectrum) -> PowerSpectrum:
         """Spectrum of the sum of two statistically independent roughnesses."""
@@ -275,7 +275,7 @@ class PowerSpectrum:
             return NotImplemented
         nodes = np.unique(np.concatenate([self.wavenumber, other.wavenumber]))
         left, right = nodes[:-1], nodes[1:]
-        ends = [one._at_ends_of(left, right) for one in (self, other)]
+        ends = [spectrum._at_ends_of(left, right) for spectrum in (self, other)]
         count = _pieces_of_sum(np.log(right / left), *ends)
         # the nodes of each stretch, both its ends among them, one stretch after the other
         of = np.repeat(np.arange(left.size), count + 1)
@@ -283,8 +283,8 @@ class PowerSpectrum:
         q = left[of] * (right / left)[of] ** share
         q = np.where(share == 1.0, right[of], q)
         C = sum(np.exp(log_C[of, 0] + share * slope[of]) for log_C, slope in map(_straight, ends))
-        nothing = np.isneginf(np.maximum(ends[0][:, 0], ends[1][:, 0]))[of]
-        C = np.where(nothing, _GAP * min(self.density.min(), other.density.min()), C)
+        is_empty = np.isneginf(np.maximum(ends[0][:, 0], ends[1][:, 0]))[of]
+        C = np.where(is_empty, _GAP * min(self.density.min(), other.density.min()), C)
         same = (np.diff(q) == 0.0) & np.isclose(np.diff(np.log(C)), 0.0, atol=1e-13)
         keep = np.concatenate([[True], ~same])
         return PowerSpectrum(q[keep], C[keep])
@@ -303,8 +303,8 @@ class PowerSpectrum:
     def median_wavenumber(self) -> float:
         """q with half of the height variance above it [1/m]."""
         q = np.geomspace(self.q_low, self.q_high, 2000)
-        above = np.asarray(self.height_variance_above(q))
-        return float(np.exp(np.interp(-0.5 * above[0], -above, np.log(q))))
+        variance = np.asarray(self.height_variance_above(q))
+        return float(np.exp(np.interp(-0.5 * variance[0], -variance, np.log(q))))
 
     @cached_property
     def _hash(self) -> int:
@@ -334,8 +334,8 @@ class PowerSpectrum:
         log_q = np.log(q)
         exponent = 2.0 + self._slope[k]
         log_C = self._log_C[k] + self._slope[k] * (log_q - self._log_q[k])
-        rest = np.exp(log_C + 2.0 * log_q) * power_integral(exponent, self._log_q[k + 1] - log_q)
-        return 2.0 * np.pi * (rest + self._height_above[k + 1])
+        in_piece = np.exp(log_C + 2.0 * log_q) * power_integral(exponent, self._log_q[k + 1] - log_q)
+        return 2.0 * np.pi * (in_piece + self._height_above[k + 1])
 
     def slope_moment(self, wavenumber: ArrayLike) -> FloatArray:
         """M(q) = int_{q_low}^q q'^3 C dq' [-]; it is the mean square slope seen up to q over 2 pi."""
@@ -400,18 +400,18 @@ class PowerSpectrum:
         M = self._slope_moment[kinks] / self.last_moment
         place = self._log_q[kinks] + 0.5 * np.log(M) - np.log(np.maximum(1.0 - M, 0.0) + 1e-3)
         end = max(self._log_q[-1] - np.log(1e-3), place[-1])
-        wanted = np.linspace(place[0], end, _MOST_BREAKS + 2)[1:-1]
-        near = np.clip(np.searchsorted(place, wanted), 1, place.size - 1)
-        near = kinks[np.unique(near - (wanted - place[near - 1] < place[near] - wanted))]
+        even_places = np.linspace(place[0], end, _MOST_BREAKS + 2)[1:-1]
+        k = np.clip(np.searchsorted(place, even_places), 1, place.size - 1)
+        nearest = kinks[np.unique(k - (even_places - place[k - 1] < place[k] - even_places))]
         # where most are strong, in a raw Fourier spectrum, they average out as well
-        return near if strong.size > 4 * _MOST_BREAKS else np.union1d(near, strong)
+        return nearest if strong.size > 4 * _MOST_BREAKS else np.union1d(nearest, strong)
 
     def _saturation_moments(self) -> FloatArray:
         """Moments that part a steep spectrum, whose M hardly rises with q any more, at each half e-fold of dM/dlnq."""
         fall = np.maximum(-self._slope_exponent, 0.0) * self._length
         total = np.concatenate([[0.0], np.cumsum(fall)])
-        rising = np.concatenate([[True], np.diff(total) > 0.0])
-        log_q = np.interp(np.arange(0.5, total[-1], 0.5), total[rising], self._log_q[rising])
+        is_rising = np.concatenate([[True], np.diff(total) > 0.0])
+        log_q = np.interp(np.arange(0.5, total[-1], 0.5), total[is_rising], self._log_q[is_rising])
         return self.slope_moment(np.exp(log_q))
 
     @property
@@ -438,10 +438,10 @@ class PowerSpectrum:
         (10000.0, 100000.0, True)
         """
         ends = np.array([max(low, self.q_low), min(high, self.q_high)])
-        inside = (self.wavenumber > ends[0]) & (self.wavenumber < ends[1])
-        q = np.concatenate([ends[:1], self.wavenumber[inside], ends[1:]])
+        is_between = (self.wavenumber > ends[0]) & (self.wavenumber < ends[1])
+        q = np.concatenate([ends[:1], self.wavenumber[is_between], ends[1:]])
         C = np.asarray(self(ends))
-        return PowerSpectrum(q, np.concatenate([C[:1], self.density[inside], C[1:]]))
+        return PowerSpectrum(q, np.concatenate([C[:1], self.density[is_between], C[1:]]))
 
     # ---------------------------------------------------------------- pieces
 
@@ -458,8 +458,8 @@ class PowerSpectrum:
         k = self._piece_of(middle)
         log_q = np.log(np.column_stack([left, right]))
         log_C = self._log_C[k, None] + self._slope[k, None] * (log_q - self._log_q[k, None])
-        inside = (middle > self.q_low) & (middle < self.q_high)
-        return np.where(inside[:, None], log_C, -np.inf)
+        is_held = (middle > self.q_low) & (middle < self.q_high)
+        return np.where(is_held[:, None], log_C, -np.inf)
 
     @cached_property
     def _log_q(self) -> FloatArray:
@@ -509,19 +509,19 @@ class PowerSpectrum:
 
 def _straight(ends: FloatArray) -> tuple[FloatArray, FloatArray]:
     """ln C at both ends of stretches and its rise, zero where there is nothing."""
-    there = np.isfinite(ends[:, 0])
-    return ends, np.subtract(ends[:, 1], ends[:, 0], out=np.zeros(len(ends)), where=there)
+    is_finite = np.isfinite(ends[:, 0])
+    return ends, np.subtract(ends[:, 1], ends[:, 0], out=np.zeros(len(ends)), where=is_finite)
 
 
-def _pieces_of_sum(length: FloatArray, one: FloatArray, other: FloatArray) -> IntArray:
+def _pieces_of_sum(length: FloatArray, first: FloatArray, second: FloatArray) -> IntArray:
     """Pieces of the sums of two power laws on stretches of `length` in ln q, from ln C at both ends, shape (n, 2).
 
-    A sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
+    A sum bends by (difference of slopes)^2 w (1 - w), w the share of the first; its chord is off by length^2/8 of that.
     """
-    both = np.isfinite(one[:, 0]) & np.isfinite(other[:, 0])
-    ratio = np.subtract(one, other, out=np.zeros(one.shape), where=both[:, None])
-    nearest = np.where(ratio[:, 0] * ratio[:, 1] < 0.0, 0.0, np.abs(ratio).min(axis=1))
-    share = 1.0 / (1.0 + np.exp(np.minimum(nearest, 700.0)))
+    are_finite = np.isfinite(first[:, 0]) & np.isfinite(second[:, 0])
+    ratio = np.subtract(first, second, out=np.zeros(first.shape), where=are_finite[:, None])
+    least_ratio = np.where(ratio[:, 0] * ratio[:, 1] < 0.0, 0.0, np.abs(ratio).min(axis=1))
+    share = 1.0 / (1.0 + np.exp(np.minimum(least_ratio, 700.0)))
     bend = (ratio[:, 1] - ratio[:, 0]) ** 2 * share * (1.0 - share)
     return np.maximum(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR))), 1).astype(int)
 

@@ -77,10 +77,10 @@ def stretched_spectrum(spectrum: PowerSpectrum, peklenik: float) -> PowerSpectru
     row, piece = np.nonzero(half)
     half = half[row, piece]
     phi = angle[row, piece][:, None] + half[:, None] * (1.0 + t)
-    there = q[row, None] * np.sqrt(gamma * np.cos(phi) ** 2 + np.sin(phi) ** 2 / gamma)
-    C = (2.0 / np.pi) * np.bincount(row, half * (np.asarray(spectrum(there)) @ w), q.size).astype(np.float64)
-    seen = np.flatnonzero(C / C.max() > 1e-300)
-    average = PowerSpectrum(q[seen], C[seen])
+    q_phi = q[row, None] * np.sqrt(gamma * np.cos(phi) ** 2 + np.sin(phi) ** 2 / gamma)
+    C = (2.0 / np.pi) * np.bincount(row, half * (np.asarray(spectrum(q_phi)) @ w), q.size).astype(np.float64)
+    positive = np.flatnonzero(C / C.max() > 1e-300)
+    average = PowerSpectrum(q[positive], C[positive])
     # Between nodes the average is not quite a power law; the height variance is known exactly.
     return PowerSpectrum(
         average.wavenumber, average.density * (spectrum.rms_height / average.rms_height) ** 2
@@ -90,11 +90,11 @@ def stretched_spectrum(spectrum: PowerSpectrum, peklenik: float) -> PowerSpectru
 def _average_nodes(spectrum: PowerSpectrum, root: float) -> FloatArray:
     """Wavenumbers for the average, closer together at its kinks, where an end of C_0 comes into view or leaves it."""
     q_low, q_high = spectrum.q_low / root, spectrum.q_high * root
-    even = np.geomspace(q_low, q_high, int(np.ceil(np.log(q_high / q_low) / _SPACING)) + 1)
+    grid = np.geomspace(q_low, q_high, int(np.ceil(np.log(q_high / q_low) / _SPACING)) + 1)
     steps = _SPACING * 0.5 ** np.arange(12.0)
     kinks = np.array([q_low, spectrum.q_low * root, spectrum.q_high / root, q_high])
-    near = kinks[:, None] * np.exp(np.concatenate([-steps, [0.0], steps]))
-    return np.unique(np.clip(np.concatenate([even, near.ravel()]), q_low, q_high))
+    around_kinks = kinks[:, None] * np.exp(np.concatenate([-steps, [0.0], steps]))
+    return np.unique(np.clip(np.concatenate([grid, around_kinks.ravel()]), q_low, q_high))
 
 
 def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
@@ -147,18 +147,18 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
             f"along from {along.q_low:.4g} to {along.q_high:.4g} 1/m and across from {across.q_low:.4g} to "
             f"{across.q_high:.4g} 1/m: need a factor e of common wavenumbers"
         )
-    tried = min(limit, room) * np.linspace(-1.0, 1.0, 201)
-    errors = _mismatch(along, across, tried)
+    trials = min(limit, room) * np.linspace(-1.0, 1.0, 201)
+    errors = _mismatch(along, across, trials)
     best = int(np.argmin(errors))
-    bounds = tried[max(best - 1, 0)], tried[min(best + 1, tried.size - 1)]
-    found = minimize_scalar(
+    bounds = trials[max(best - 1, 0)], trials[min(best + 1, trials.size - 1)]
+    fit = minimize_scalar(
         lambda at: float(_mismatch(along, across, np.array([at]))[0]),
         bounds=bounds,
         method="bounded",
         options={"xatol": 1e-10},
     )
     # equal spectra are exactly isotropic
-    log_gamma, error = min((float(tried[best]), errors[best]), (found.x, found.fun), key=lambda one: one[1])
+    log_gamma, error = min((float(trials[best]), errors[best]), (fit.x, fit.fun), key=lambda pair: pair[1])
     gamma = float(np.exp(log_gamma))
     root = np.sqrt(gamma)
     first = PowerSpectrum(along.wavenumber * root, along.density / gamma)
@@ -181,6 +181,6 @@ def _mismatch(along: PowerSpectrum, across: PowerSpectrum, log_gamma: FloatArray
 def _join_means(first: PowerSpectrum, second: PowerSpectrum) -> PowerSpectrum:
     """Geometric mean where both are known, else the one that is."""
     q = np.union1d(first.wavenumber, second.wavenumber)
-    known = [(q >= one.q_low) & (q <= one.q_high) for one in (first, second)]
-    logs = [np.log(np.where(inside, one(q), 1.0)) for inside, one in zip(known, (first, second), strict=True)]
-    return PowerSpectrum(q, np.exp(sum(logs) / (known[0].astype(float) + known[1])))
+    ranges = [(q >= C.q_low) & (q <= C.q_high) for C in (first, second)]
+    logs = [np.log(np.where(holds, C(q), 1.0)) for holds, C in zip(ranges, (first, second), strict=True)]
+    return PowerSpectrum(q, np.exp(sum(logs) / (ranges[0].astype(float) + ranges[1])))

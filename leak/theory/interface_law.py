@@ -97,37 +97,37 @@ def _of_shape(spectrum: PowerSpectrum) -> RoughSurfaceLaw:
     middle = np.concatenate([[y[0] - 0.5 * step[0]], half])
     pressure = 2.0 * slope / height * np.exp(middle)
     lower = np.concatenate([[0.5], step[1:] / (step[1:] + step[:-1])])
-    apart = np.diff(middle)
+    gap_to_next = np.diff(middle)
 
-    first, second = 0.5 * (lower - 1.0 / apart), 0.5 * (1.0 - lower + 1.0 / apart)
-    before = np.concatenate([step[:1], step])
+    first, second = 0.5 * (lower - 1.0 / gap_to_next), 0.5 * (1.0 - lower + 1.0 / gap_to_next)
+    step_below = np.concatenate([step[:1], step])
 
     def series(at: float, v: FloatArray) -> tuple[FloatArray, float]:
         """Compliances in series, of v = u/m^(1/2), which is as large for the first band as for the last."""
         decay = -np.diff(v) / step
         share = step[0] * decay[0] / v[0]
         # u^2 is linear in ln p far below
-        below = decay[0] * (1.0 - share)
+        decay_below = decay[0] * (1.0 - share)
         band = np.exp(np.interp(at, log_m, log_q) + 0.5 * at)
-        return 1.0 / (np.concatenate([[below], decay]) + pressure / band), float(share)
+        return 1.0 / (np.concatenate([[decay_below], decay]) + pressure / band), float(share)
 
     def rate(at: float, v: FloatArray) -> FloatArray:
         """dv/d(ln m)."""
-        found, _ = series(at, v)
+        flow, _ = series(at, v)
         change = -0.5 * v
-        change[:-1] += first * found[:-1] + second * found[1:]
+        change[:-1] += first * flow[:-1] + second * flow[1:]
         return change
 
     def jacobian(at: float, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        found, share = series(at, v)
-        of_own = found**2 / before
+        flow, share = series(at, v)
+        of_own = flow**2 / step_below
         of_next = -of_own[1:]
         of_own[0] *= share * (2.0 - share) - 1.0
-        own = np.full(v.size, -0.5)
-        own[:-1] += first * of_own[:-1] + second * of_next
-        above = second * of_own[1:]
-        above[0] += first[0] * found[0] ** 2 / before[0] * (1.0 - 2.0 * share)
-        return np.append(first[1:] * of_next[:-1], 0.0), own, above
+        diagonal = np.full(v.size, -0.5)
+        diagonal[:-1] += first * of_own[:-1] + second * of_next
+        upper = second * of_own[1:]
+        upper[0] += first[0] * flow[0] ** 2 / step_below[0] * (1.0 - 2.0 * share)
+        return np.append(first[1:] * of_next[:-1], 0.0), diagonal, upper
 
     # heights over h_rms and pressures over E* h' from here on; the first band closes at about this pressure
     closing = np.exp(log_q[0] + 0.5 * log_m[0] - y) * height / (2.0 * slope)
@@ -137,10 +137,10 @@ def _of_shape(spectrum: PowerSpectrum) -> RoughSurfaceLaw:
     open_ = u > _CLOSED
     y, u = y[open_], u[open_]
     decay = -spline_slopes(y, u)
-    below = y[0] * _FURTHER ** np.arange(np.log(_FURTHEST / -y[0]) / np.log(_FURTHER), 0.0, -1.0)
-    wide = np.sqrt(u[0] ** 2 + 2.0 * u[0] * decay[0] * (y[0] - below))
+    y_below = y[0] * _FURTHER ** np.arange(np.log(_FURTHEST / -y[0]) / np.log(_FURTHER), 0.0, -1.0)
+    wide_u = np.sqrt(u[0] ** 2 + 2.0 * u[0] * decay[0] * (y[0] - y_below))
     y, u, decay = (
-        np.concatenate(parts) for parts in ((below, y), (wide, u), (u[0] * decay[0] / wide, decay))
+        np.concatenate(parts) for parts in ((y_below, y), (wide_u, u), (u[0] * decay[0] / wide_u, decay))
     )
     return RoughSurfaceLaw(y + np.log(slope), height * u, height * decay)
 
@@ -161,8 +161,8 @@ def _places_in_m(spectrum: PowerSpectrum, log_q: FloatArray, log_m: FloatArray) 
 def _bands(spectrum: PowerSpectrum) -> tuple[FloatArray, FloatArray]:
     """ln q, falling, and ln(m/h_rms^2) of all waves above it, rising; from the first band on."""
     kinks = np.log(spectrum.wavenumber)
-    even = divide_stretches(kinks, _STEP, _SLACK)
-    log_q = np.unique(np.concatenate([even, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
+    grid = divide_stretches(kinks, _STEP, _SLACK)
+    log_q = np.unique(np.concatenate([grid, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
     log_q = log_q[log_q >= kinks[0]]
     q = np.exp(log_q)
     m = spectrum.height_variance_above(q) / spectrum.rms_height**2
@@ -170,8 +170,8 @@ def _bands(spectrum: PowerSpectrum) -> tuple[FloatArray, FloatArray]:
     # the last place before less than `_FIRST` of the slope is above
     last = max(int(np.searchsorted(steep, 1.0 - _FIRST)) - 1, 0)
     log_q, m = log_q[last::-1], m[last::-1]
-    rising = np.concatenate([[True], np.diff(m) > 0.0])
-    return log_q[rising], np.log(m[rising])
+    is_rising = np.concatenate([[True], np.diff(m) > 0.0])
+    return log_q[is_rising], np.log(m[is_rising])
 
 
 # So many Euler steps go over each interval; their results are extrapolated to infinitely many, to third order.
@@ -216,19 +216,19 @@ def stiff_steps(
 
     v = start
     for begin, end in pairwise(places):
-        below, own, above = jacobian(end, v)
-        found: list[FloatArray] = []
+        lower, diagonal, upper = jacobian(end, v)
+        table: list[FloatArray] = []
         for number, count in enumerate(_STEPS):
             step = (end - begin) / count
-            factors = dgttrf(-step * below, 1.0 - step * own, -step * above)[:5]
-            one = v
+            factors = dgttrf(-step * lower, 1.0 - step * diagonal, -step * upper)[:5]
+            end_v = v
             for k in range(count):
-                one = one + dgttrs(*factors, step * rate(begin + (k + 1) * step, one))[0]
-            row = [one]
-            for order, coarser in enumerate(found, start=1):
+                end_v = end_v + dgttrs(*factors, step * rate(begin + (k + 1) * step, end_v))[0]
+            row = [end_v]
+            for order, coarser in enumerate(table, start=1):
                 row.append(row[-1] + (row[-1] - coarser) / (count / _STEPS[number - order] - 1.0))
-            found = row
-        v = found[-1]
+            table = row
+        v = table[-1]
     return v
 
 
@@ -320,10 +320,10 @@ class TabulatedLaw:
             ("gap", "m", np.diff(u), "increase"),
             ("pressure", "Pa", -np.diff(np.log(p)), "decrease"),
         ):
-            wrong = np.flatnonzero(~(steps > 0.0))
-            if wrong.size:
+            faults = np.flatnonzero(~(steps > 0.0))
+            if faults.size:
                 raise LawError(
-                    f"{name}[{wrong[0] + 1}]: {name} must strictly {word} along the table [{unit}]"
+                    f"{name}[{faults[0] + 1}]: {name} must strictly {word} along the table [{unit}]"
                 )
         u.flags.writeable = p.flags.writeable = False
         object.__setattr__(self, "table_gap", u)
@@ -399,9 +399,9 @@ class RoughSurfaceLaw:
         x = np.asarray(log_pressure, dtype=float)
         if self._all_inside(x):
             return np.exp(self._curve.value_and_slope(x)[0])
-        below, above = self._distance_outside(x)
-        inside = np.exp(self._curve.value(x - below - above))
-        return inside / (1.0 + self._last_rate * above) - self.decay_nodes[0] * below
+        undershoot, overshoot = self._distance_outside(x)
+        core = np.exp(self._curve.value(x - undershoot - overshoot))
+        return core / (1.0 + self._last_rate * overshoot) - self.decay_nodes[0] * undershoot
 
     def decay_length(self, log_pressure: ArrayLike) -> FloatArray:
         """-du/dlnp at ln(p/Pa) [m]."""
@@ -409,9 +409,9 @@ class RoughSurfaceLaw:
         if self._all_inside(x):
             log_gap, slope = self._curve.value_and_slope(x)
             return -slope * np.exp(log_gap)
-        below, above = self._distance_outside(x)
-        log_gap, slope = self._curve.value_and_derivative(x - below - above)
-        return -slope * np.exp(log_gap) / (1.0 + self._last_rate * above) ** 2
+        undershoot, overshoot = self._distance_outside(x)
+        log_gap, slope = self._curve.value_and_derivative(x - undershoot - overshoot)
+        return -slope * np.exp(log_gap) / (1.0 + self._last_rate * overshoot) ** 2
 
     def pressure(self, gap: ArrayLike) -> FloatArray:
         """p at gap u [Pa]; infinite for u <= 0, full contact."""

@@ -160,7 +160,7 @@ def error_correlation(log_pressure: ArrayLike, other: ArrayLike | None = None) -
     >>> error_correlation([6.0, 6.5, 8.0]).round(2)[0].tolist()
     [1.0, 0.81, 0.03]
     """
-    here = np.asarray(log_pressure, dtype=float)
-    there = here if other is None else np.asarray(other, dtype=float)
-    away = (here[:, None] - there) / BELONG_TOGETHER
-    return np.asarray(np.exp(-0.5 * away**2))
+    x = np.asarray(log_pressure, dtype=float)
+    y = x if other is None else np.asarray(other, dtype=float)
+    distance = (x[:, None] - y) / BELONG_TOGETHER
+    return np.asarray(np.exp(-0.5 * distance**2))

@@ -59,7 +59,7 @@ def kernel(gamma: float) -> Kernel:
     log_x = np.log(_KERNEL_START) + _KERNEL_STEP * np.arange(count)
     x = np.exp(log_x)
     # by the C library: importing scipy.special takes longer than this table
-    erf = np.array([math.erf(one) for one in x.tolist()])
+    erf = np.array([math.erf(number) for number in x.tolist()])
     gauss = np.exp(-(x**2))
     k = erf**2 * gauss
     dk = (4.0 / np.sqrt(np.pi)) * x * erf * gauss**2 - 2.0 * x**2 * k
@@ -106,7 +106,7 @@ def erf(x: ArrayLike) -> FloatArray:
         from scipy.special import erf as erf_of_many
 
         return np.asarray(erf_of_many(numbers))
-    return np.array([math.erf(one) for one in numbers.ravel().tolist()]).reshape(numbers.shape)[()]
+    return np.array([math.erf(number) for number in numbers.ravel().tolist()]).reshape(numbers.shape)[()]
 
 
 # Below this fraction of the local slope the integrand v F contributes less than 1e-8 of the separation.
@@ -220,29 +220,29 @@ def separations(
     ----------
     C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214 (2008).
     """
-    remaining = roughness.moment(M)
-    z = area_argument(relative_pressure[:, None], remaining)
+    moment = roughness.moment(M)
+    z = area_argument(relative_pressure[:, None], moment)
     A = erf(z)
     log_a = np.log(relative_pressure[:, None] / (np.sqrt(np.pi) * A))
     parts = _parts(spectrum, roughness.kappa, roughness.end)
     log_v, weight, piece = _steps(spectrum, parts, M, log_a, refinement)
     v2 = np.exp(2.0 * log_v)
     log_q, log_C = _point(spectrum, piece, M[..., None] + v2)
-    above = roughness.moments_above(M[..., None])
-    y2, factor = above(v2)
+    moment_above = roughness.moments_above(M[..., None])
+    y2, factor = moment_above(v2)
     elastic = y2 is v2
     log_y = log_v if elastic else 0.5 * np.log(np.maximum(y2, _NOTHING))
     # v^2 dv/(q y) of each point
     common = (np.exp(log_v - log_q) if elastic else np.exp(-log_q - log_y) * v2) * (2.0 * weight)
-    F, f = (one * common for one in kernel(gamma)(log_a[..., None] - log_y))
+    F, f = (part * common for part in kernel(gamma)(log_a[..., None] - log_y))
     tail = np.vecdot(F, np.exp(-4.0 * log_q - log_C))
     mean, decay = np.vecdot(F, factor), np.vecdot(f, factor)
     # (A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form
-    to_end = np.sqrt(np.maximum(above((roughness.end - M)[..., None])[0][..., 0], _NOTHING))
-    beyond = kernel(gamma)(log_a - np.log(to_end))[0] / (to_end * np.exp(parts.log_wavenumber[-1]))
+    to_end = np.sqrt(np.maximum(moment_above((roughness.end - M)[..., None])[0][..., 0], _NOTHING))
+    tail_beyond = kernel(gamma)(log_a - np.log(to_end))[0] / (to_end * np.exp(parts.log_wavenumber[-1]))
     z = np.minimum(z, FULL_CONTACT)
-    per_moment = A * np.sqrt(np.pi) * remaining * np.exp(z**2) / z
-    return Separations(mean, decay, mean + decay + per_moment * (tail + beyond), A)
+    per_moment = A * np.sqrt(np.pi) * moment * np.exp(z**2) / z
+    return Separations(mean, decay, mean + decay + per_moment * (tail + tail_beyond), A)
 
 
 def _point(spectrum: PowerSpectrum, piece: IntArray | None, M: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -37,7 +37,7 @@ class Reading(StrEnum):
 
     Examples
     --------
-    >>> [str(one) for one in READINGS["paper"]]
+    >>> [str(reading) for reading in READINGS["paper"]]
     ['conserved', 'capped']
     """
 
@@ -120,12 +120,12 @@ def area_fractions(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> AreaF
     s, t = np.broadcast_arrays(
         np.asarray(stress_ratio, dtype=float), np.asarray(stress_variance, dtype=float)
     )
-    inside = s < 1.0
-    s_in = np.where(inside, s, 0.5)
-    lost = np.where(inside, _lost_area(1.0 - s_in, s_in, t), 0.0)
-    plastic = np.where(inside, _lost_area(s_in, 1.0 - s_in, t), 1.0)
-    elastic = np.where(inside, _elastic_area(s_in, t), 0.0)
-    return AreaFractions(elastic, plastic, lost)
+    is_in = s < 1.0
+    s_in = np.where(is_in, s, 0.5)
+    open_area = np.where(is_in, _lost_area(1.0 - s_in, s_in, t), 0.0)
+    plastic = np.where(is_in, _lost_area(s_in, 1.0 - s_in, t), 1.0)
+    elastic = np.where(is_in, _elastic_area(s_in, t), 0.0)
+    return AreaFractions(elastic, plastic, open_area)
 
 
 def remaining_fraction(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
@@ -192,8 +192,8 @@ def _elastic_area(s: FloatArray, t: FloatArray) -> FloatArray:
     scale = _image_scale(t[early])
     total = erf(s[early] * scale)
     for m in range(1, _IMAGES + 1):
-        near = (m - s[early]) * scale
-        total += (-1.0) ** m * _erf_difference(m * scale, s[early] * scale, near)
+        edge = (m - s[early]) * scale
+        total += (-1.0) ** m * _erf_difference(m * scale, s[early] * scale, edge)
     area[early] = total
     late = ~early
     area[late] = _mode_sum(s[late], t[late], 1.0) - _mode_sum(s[late], t[late], -1.0)
@@ -204,9 +204,9 @@ def _absorbed_by_images(s: FloatArray, distance: FloatArray, t: FloatArray) -> F
     """sum_k erfc((2k+1-s)/(2 sqrt t)) - erfc((2k+1+s)/(2 sqrt t))."""
     total = np.zeros(t.shape)
     for m in range(1, _IMAGES + 1, 2):
-        seen = t >= ((m - 1) / _OUT_OF_SIGHT) ** 2
-        scale = _image_scale(t[seen])
-        total[seen] += _erf_difference(m * scale, s[seen] * scale, (m - 1 + distance[seen]) * scale)
+        adds = t >= ((m - 1) / _OUT_OF_SIGHT) ** 2
+        scale = _image_scale(t[adds])
+        total[adds] += _erf_difference(m * scale, s[adds] * scale, (m - 1 + distance[adds]) * scale)
     return total
 
 
@@ -215,18 +215,18 @@ def _image_scale(t: FloatArray) -> FloatArray:
     return 0.5 / np.sqrt(np.maximum(t, 1e-200))
 
 
-def _erf_difference(middle: FloatArray, half: FloatArray, near: FloatArray) -> FloatArray:
+def _erf_difference(middle: FloatArray, half: FloatArray, edge: FloatArray) -> FloatArray:
     """erf(middle + half) - erf(near), near = middle - half; by its Taylor series where the two would cancel."""
     from scipy.special import erfc
 
-    out = np.empty(middle.shape)
-    small = half * (1.0 + middle) < 1e-3
-    m2, h2 = np.minimum(middle[small], 26.0) ** 2, half[small] ** 2
+    values = np.empty(middle.shape)
+    is_small = half * (1.0 + middle) < 1e-3
+    m2, h2 = np.minimum(middle[is_small], 26.0) ** 2, half[is_small] ** 2
     series = 1.0 + h2 * ((2.0 * m2 - 1.0) / 3.0 + h2 * (4.0 * m2**2 - 12.0 * m2 + 3.0) / 30.0)
-    out[small] = 4.0 / np.sqrt(np.pi) * np.exp(-m2) * half[small] * series
-    large = ~small
-    out[large] = erfc(near[large]) - erfc(middle[large] + half[large])
-    return out
+    values[is_small] = 4.0 / np.sqrt(np.pi) * np.exp(-m2) * half[is_small] * series
+    is_large = ~is_small
+    values[is_large] = erfc(edge[is_large]) - erfc(middle[is_large] + half[is_large])
+    return values
 
 
 def _mode_sum(s: FloatArray, t: FloatArray, sign: float) -> FloatArray:
@@ -307,13 +307,13 @@ class PlasticRoughness(Roughness):
         t = start[:, None] * np.exp(0.5 * step[:, None] * np.arange(2 * _TABLE_NODES - 1))
         integrand = t * remaining_fraction(stress_ratio[:, None], t)
         cells = step[:, None] / 6.0 * (integrand[:, :-2:2] + 4.0 * integrand[:, 1::2] + integrand[:, 2::2])
-        rest = np.zeros((stress_ratio.size, _TABLE_NODES))
-        rest[:, :-1] = np.cumsum(cells[:, ::-1], axis=1)[:, ::-1]
+        remainders = np.zeros((stress_ratio.size, _TABLE_NODES))
+        remainders[:, :-1] = np.cumsum(cells[:, ::-1], axis=1)[:, ::-1]
         # Beyond the table only the slowest mode is left: exp(-pi^2 t).
-        rest += (integrand[:, -1] / (T_END * np.pi**2))[:, None]
+        remainders += (integrand[:, -1] / (T_END * np.pi**2))[:, None]
         # cubic Hermite in ln t: dR/dlnt = -t C_pl/C is known
         slope = -step[:, None] * integrand[:, ::2]
-        cubics = cell_cubics(np.ones(1), rest.T, slope.T).swapaxes(1, 2)
+        cubics = cell_cubics(np.ones(1), remainders.T, slope.T).swapaxes(1, 2)
         return cls(min(end, T_END / kappa), start, step, cubics.reshape(4, -1), kappa=kappa)
 
     @property
@@ -325,9 +325,9 @@ class PlasticRoughness(Roughness):
         """Slope moment of C_pl up to the elastic moment M, shape (P, ...) [-]."""
         t = self.kappa * M
         start = _lead(self.start_t, M.ndim)
-        rest, _ = self._remainder(np.maximum(t, start))
-        whole = start + _lead(self.remainder[0].reshape(self.start_t.size, -1)[:, 0], M.ndim)
-        return np.where(t <= start, M, (whole - rest) / self.kappa)
+        R, _ = self._remainder(np.maximum(t, start))
+        R_total = start + _lead(self.remainder[0].reshape(self.start_t.size, -1)[:, 0], M.ndim)
+        return np.where(t <= start, M, (R_total - R) / self.kappa)
 
     def factor(self, M: FloatArray) -> FloatArray:
         """C_pl/C at the elastic moment M, shape (P, ...) [-]."""
@@ -352,9 +352,9 @@ class PlasticRoughness(Roughness):
         """The same at some of the pressures, given by their numbers."""
         if pressures.size == self.start_t.size:
             return self
-        rest = self.remainder.reshape(4, self.start_t.size, -1)[:, pressures].reshape(4, -1)
+        remainder = self.remainder.reshape(4, self.start_t.size, -1)[:, pressures].reshape(4, -1)
         return replace(
-            self, start_t=self.start_t[pressures], step_log_t=self.step_log_t[pressures], remainder=rest
+            self, start_t=self.start_t[pressures], step_log_t=self.step_log_t[pressures], remainder=remainder
         )
 
     def _remainder(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -367,10 +367,10 @@ class PlasticRoughness(Roughness):
         cell += cells * np.arange(self.start_t.size).reshape(-1, *(1,) * (t.ndim - 1))
         c0, c1, c2, c3 = (coefficients.take(cell) for coefficients in self.remainder)
         cubic = c3 * x
-        rest = ((cubic + c2) * x + c1) * x + c0
+        R = ((cubic + c2) * x + c1) * x + c0
         # -t C_pl/C = dR/dlnt
         slope = (3.0 * cubic + c2 + c2) * x + c1
-        return rest, np.maximum(slope / t * (-1.0 / h), 0.0)
+        return R, np.maximum(slope / t * (-1.0 / h), 0.0)
 
 
 def remaining_moment(stress_ratio: float, kappa: float, end: float) -> float:
@@ -521,10 +521,10 @@ def equivalent_pressure(
     if largest is None:
         return np.asarray(first_loading(p)[0])
     most = np.maximum(np.asarray(largest, dtype=float), p)
-    after, factor = first_loading(most)
+    p_eq, factor = first_loading(most)
     with np.errstate(divide="ignore", invalid="ignore"):
         log_x = np.where(p < most, np.log(p / most), 0.0)
-        return np.asarray(np.where(most > 0.0, after * np.exp(-_spring_back(log_x, factor, constants)), 0.0))
+        return np.asarray(np.where(most > 0.0, p_eq * np.exp(-_spring_back(log_x, factor, constants)), 0.0))
 
 
 def _bearing(
@@ -534,8 +534,8 @@ def _bearing(
     growth = constants.growth
     start = constants.bearing * bearing_pressure / (_CUT_OFF * (1.0 + growth * _CUT_OFF / (1.0 - _CUT_OFF)))
     end = YIELDING_THRESHOLD / (1.0 - YIELDING_THRESHOLD)
-    missing = max(sealing_pressure / YIELDING_THRESHOLD - start * (1.0 + growth * end), 0.0)
-    return start * (1.0 + growth * odds) + missing * (odds / end) ** _CLOSING
+    rise = max(sealing_pressure / YIELDING_THRESHOLD - start * (1.0 + growth * end), 0.0)
+    return start * (1.0 + growth * odds) + rise * (odds / end) ** _CLOSING
 
 
 def _spring_back(log_x: FloatArray, factor: FloatArray, constants: YieldingConstants) -> FloatArray:

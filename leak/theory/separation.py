@@ -139,12 +139,12 @@ def _panel_ends(
     detail = _detail(spectrum, fine, kappa)
     rise = detail[:, -1] - detail[:, 0]
     count = np.maximum(np.ceil(rise / _PANEL), 1.0).astype(np.intp)
-    each = rise / count
+    size = rise / count
     of = np.arange(count.size).repeat(count)
     nth = np.arange(of.size) - (count.cumsum() - count)[of]
-    ends = np.interp(detail[of, 0] + nth * each[of], detail.ravel(), fine.ravel())
+    ends = np.interp(detail[of, 0] + nth * size[of], detail.ravel(), fine.ravel())
     ends[nth == 0] = stops[:-1]
-    return np.append(ends, stops[-1]), each, count
+    return np.append(ends, stops[-1]), size, count
 
 
 def _detail(spectrum: PowerSpectrum, M: FloatArray, kappa: float) -> FloatArray:
@@ -205,27 +205,27 @@ def lost_area(
     (2012)).
     """
     nodes = magnification_nodes(spectrum, roughness, relative_pressure, refinement=refinement)
-    factor, remaining = roughness.factor(nodes.M), roughness.moment(nodes.M)
-    z = area_argument(relative_pressure[:, None], remaining)
-    falling = np.where(z < FULL_CONTACT, z * np.exp(-(np.minimum(z, FULL_CONTACT) ** 2)), 0.0)
-    weight = nodes.moment_weight * factor * falling / (np.sqrt(np.pi) * remaining)
-    lost = np.zeros(weight.shape)
+    factor, moment = roughness.factor(nodes.M), roughness.moment(nodes.M)
+    z = area_argument(relative_pressure[:, None], moment)
+    fall = np.where(z < FULL_CONTACT, z * np.exp(-(np.minimum(z, FULL_CONTACT) ** 2)), 0.0)
+    weight = nodes.moment_weight * factor * fall / (np.sqrt(np.pi) * moment)
+    u1 = np.zeros(weight.shape)
     for group in nodes.groups:
         # at high pressures nothing is lost at low magnification
         rows = np.flatnonzero((weight[:, group] > _LEAST_WEIGHT).any(axis=1))
         if rows.size:
             p, M = relative_pressure[rows], nodes.M[rows, group]
-            found = separations(spectrum, roughness.at_some(rows), p, M, gamma, refinement=refinement)
-            lost[rows, group] = found.lost_separation
+            at_rows = separations(spectrum, roughness.at_some(rows), p, M, gamma, refinement=refinement)
+            u1[rows, group] = at_rows.lost_separation
     variance = _height_variance_above(spectrum, nodes, factor)
     if separation_width == "effective":
-        variance = variance * lost**2 / np.maximum(variance + lost**2, 1e-300)
+        variance = variance * u1**2 / np.maximum(variance + u1**2, 1e-300)
     from scipy.special import erf
 
     # At the end of the spectrum u1 and h vanish together; the floor keeps the Gaussian a function.
     width = np.maximum(np.sqrt(variance), _SMALLEST_WIDTH * spectrum.rms_height)
     return LostArea(
-        weight, lost, width, erf(area_argument(relative_pressure, moment_of_all(roughness, len(weight))))
+        weight, u1, width, erf(area_argument(relative_pressure, moment_of_all(roughness, len(weight))))
     )
 
 
@@ -239,14 +239,14 @@ def _height_variance_above(
     return np.maximum(rate @ nodes.to_end.T, 0.0)
 
 
-def density(lost: LostArea, separation: FloatArray) -> FloatArray:
+def density(loss: LostArea, separation: FloatArray) -> FloatArray:
     """P(u) without its delta at contact.
 
     P(u) = int da (2 pi h^2)^(-1/2) [exp(-(u-u1)^2/2h^2) + exp(-(u+u1)^2/2h^2)].
 
     Parameters
     ----------
-    lost : LostArea
+    loss : LostArea
         Where contact is lost, arrays (P, Z).
     separation : ndarray
         u >= 0, increasing, shape (P, U) or (1, U) [m].
@@ -260,29 +260,29 @@ def density(lost: LostArea, separation: FloatArray) -> FloatArray:
     ----------
     A. Almqvist et al., J. Mech. Phys. Solids 59, 2355 (2011).
     """
-    inverse = np.sqrt(0.5) / lost.width
-    used = lost.weight > _LEAST_WEIGHT
-    amplitude = np.where(used, lost.weight * inverse * np.sqrt(1.0 / np.pi), 0.0)
-    centre, reach = lost.separation * inverse, _REACH / inverse
+    inverse = np.sqrt(0.5) / loss.width
+    counts = loss.weight > _LEAST_WEIGHT
+    amplitude = np.where(counts, loss.weight * inverse * np.sqrt(1.0 / np.pi), 0.0)
+    centre, reach = loss.separation * inverse, _REACH / inverse
     # Gaussians of neighbouring magnifications lie close to each other: where none of them is, nothing is added up.
-    starts = np.arange(0, used.shape[1], _NEIGHBOURS)
-    lowest = np.minimum.reduceat(np.where(used, lost.separation - reach, np.inf), starts, axis=1)
-    highest, mirrored = (
-        np.maximum.reduceat(np.where(used, reach + sign * lost.separation, -np.inf), starts, axis=1)
+    starts = np.arange(0, counts.shape[1], _NEIGHBOURS)
+    lowest = np.minimum.reduceat(np.where(counts, loss.separation - reach, np.inf), starts, axis=1)
+    highest, mirror_end = (
+        np.maximum.reduceat(np.where(counts, reach + sign * loss.separation, -np.inf), starts, axis=1)
         for sign in (1.0, -1.0)
     )
-    out = np.zeros((used.shape[0], separation.shape[1]))
-    for k, (u, found) in enumerate(zip(np.broadcast_to(separation, out.shape), out, strict=True)):
-        places = (u.searchsorted(ends[k]).tolist() for ends in (lowest, highest, mirrored))
-        for start, first, last, below in zip(starts.tolist(), *places, strict=True):
-            some = k, slice(start, start + _NEIGHBOURS)
+    values = np.zeros((counts.shape[0], separation.shape[1]))
+    for k, (u, row) in enumerate(zip(np.broadcast_to(separation, values.shape), values, strict=True)):
+        places = (u.searchsorted(ends[k]).tolist() for ends in (lowest, highest, mirror_end))
+        for start, first, last, count in zip(starts.tolist(), *places, strict=True):
+            block = k, slice(start, start + _NEIGHBOURS)
             if last > first:
-                found[first:last] += (
-                    _gaussian(u[first:last, None] * inverse[some] - centre[some]) @ amplitude[some]
+                row[first:last] += (
+                    _gaussian(u[first:last, None] * inverse[block] - centre[block]) @ amplitude[block]
                 )
-            if below:
-                found[:below] += _gaussian(u[:below, None] * inverse[some] + centre[some]) @ amplitude[some]
-    return out
+            if count:
+                row[:count] += _gaussian(u[:count, None] * inverse[block] + centre[block]) @ amplitude[block]
+    return values
 
 
 def _gaussian(x: FloatArray) -> FloatArray:
