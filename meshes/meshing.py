@@ -125,13 +125,13 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
     return SealMesh(bodies["closure"], bodies["seat"], contact, sizing, outlines)
 
 
-def _graded_alike(contact: ContactGeometry, sizing: Sizing, known: SealMesh) -> bool:
+def _graded_alike(contact: ContactGeometry, sizing: Sizing, mesh: SealMesh) -> bool:
     """Whether gmsh is asked for the same element sizes as in a mesh that is known."""
     seen = [
         (one.closure.largest_radius, one.initial_contact_radius, *one.point(np.array(sizing.zone)).ravel())
-        for one in (contact, known.contact)
+        for one in (contact, mesh.contact)
     ]
-    return sizing == known.sizing and not sizing.spots and seen[0] == seen[1]
+    return sizing == mesh.sizing and not sizing.spots and seen[0] == seen[1]
 
 
 def _with_contact_line(outline: Outline, ends: FloatArray, stub: FloatArray) -> Outline:
@@ -183,13 +183,13 @@ def triangulate(outline: Outline, contact: ContactGeometry, sizing: Sizing) -> M
     # gmsh sees the seal in units of this length, so that its absolute tolerances mean the same for every size.
     scale = contact.closure.largest_radius
     with gmsh_session("seal") as gmsh:
-        drawn = _add_body(gmsh, outline, scale)
+        body = _add_body(gmsh, outline, scale)
         _set_sizes(gmsh, outline.name, contact, sizing, scale)
         try:
             gmsh.model.mesh.generate(2)
         except Exception as error:  # gmsh raises plain Exception
             raise MeshingError(f"gmsh could not mesh the {outline.name}: {error}") from error
-        return _to_skfem(gmsh, drawn, scale)
+        return _to_skfem(gmsh, body, scale)
 
 
 @dataclass(frozen=True)
@@ -258,10 +258,10 @@ def _set_sizes(gmsh: ModuleType, name: str, contact: ContactGeometry, sizing: Si
     field.setAsBackgroundMesh(smallest)
 
 
-def _size(size: float, core: float, sizing: Sizing, along: str, deep: str, scale: float) -> str:
+def _size(size: float, core: float, sizing: Sizing, x_term: str, y_term: str, scale: float) -> str:
     return (
-        f"{size / scale:.{_DIGITS}g}+{sizing.growth_along:.{_DIGITS}g}*Max(0,{along}-{core / scale:.{_DIGITS}g})"
-        f"+{sizing.growth_deep:.{_DIGITS}g}*{deep}"
+        f"{size / scale:.{_DIGITS}g}+{sizing.growth_along:.{_DIGITS}g}*Max(0,{x_term}-{core / scale:.{_DIGITS}g})"
+        f"+{sizing.growth_deep:.{_DIGITS}g}*{y_term}"
     )
 
 
@@ -299,25 +299,25 @@ def _square(point: FloatArray, scale: float) -> str:
     return f"(x-({point[0] / scale:.{_DIGITS}g}))^2+(y-({point[1] / scale:.{_DIGITS}g}))^2"
 
 
-def _to_skfem(gmsh: ModuleType, drawn: _DrawnBody, scale: float) -> MeshTri:
+def _to_skfem(gmsh: ModuleType, body: _DrawnBody, scale: float) -> MeshTri:
     from meshes.mesh.triangles import Triangles, facets_between, smooth_triangles
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     # One node on each point, in the order of the points' tags.
     on_points = gmsh.model.mesh.getNodes(0)[0]
-    node = np.zeros(max(drawn.points) + 1, dtype=np.int64)
-    node[sorted(drawn.points)] = on_points
-    lines = {name: _connectivity(gmsh, _LINE, curves) for name, curves in drawn.curves.items()}
-    lines |= {name: node[np.array(ends)] for name, ends in drawn.chords.items()}
+    node = np.zeros(max(body.points) + 1, dtype=np.int64)
+    node[sorted(body.points)] = on_points
+    lines = {name: _connectivity(gmsh, _LINE, curves) for name, curves in body.curves.items()}
+    lines |= {name: node[np.array(ends)] for name, ends in body.chords.items()}
     triangles = _connectivity(gmsh, _TRIANGLE, [-1])
     # Nodes that belong to no triangle, such as centres of arcs, are left out.
-    used = np.unique(triangles)
+    corners = np.unique(triangles)
     row, index = np.full((2, int(tags.max()) + 1), -1)
-    row[tags], index[used] = np.arange(len(tags)), np.arange(len(used))
+    row[tags], index[corners] = np.arange(len(tags)), np.arange(len(corners))
     places = scale * coordinates.reshape(-1, 3)[:, :2]
-    places[row[on_points]] = [drawn.points[point] for point in sorted(drawn.points)]
+    places[row[on_points]] = [body.points[point] for point in sorted(body.points)]
     t = np.ascontiguousarray(index[triangles].T)
-    mesh = smooth_triangles(Triangles(np.ascontiguousarray(places[row[used]].T), t))
+    mesh = smooth_triangles(Triangles(np.ascontiguousarray(places[row[corners]].T), t))
     return mesh.with_boundaries(facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()}))
 
 

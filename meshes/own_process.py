@@ -79,11 +79,11 @@ def run_in_subprocess(
     return result
 
 
-def _death(ended: subprocess.CompletedProcess[bytes]) -> str:
-    if ended.returncode < 0:
-        return f"crashes ({signal.Signals(-ended.returncode).name})"
-    said = ended.stderr.decode(errors="replace").strip().splitlines()
-    return f"ended with code {ended.returncode}{f': {said[-1]}' if said else ''}"
+def _death(process: subprocess.CompletedProcess[bytes]) -> str:
+    if process.returncode < 0:
+        return f"crashes ({signal.Signals(-process.returncode).name})"
+    errors = process.stderr.decode(errors="replace").strip().splitlines()
+    return f"ended with code {process.returncode}{f': {errors[-1]}' if errors else ''}"
 
 
 def answer() -> None:

@@ -131,7 +131,7 @@ def _meets_beside(case: CaseTables) -> Iterator[Problem]:
     slack = 1e-3 * case.initial_contact_radius
     for outline, opposite in ((seat, closure), (closure, seat)):
         corners = np.array([s.start for s in outline.segments]).T
-        is_inside = np.all([opposite.shifted(way).holds(corners) for way in (-slack, slack)], axis=0)
+        is_inside = np.all([opposite.shift(way).holds(corners) for way in (-slack, slack)], axis=0)
         if is_inside.any():
             r, z = corners[:, is_inside][:, 0].tolist()
             yield problem("penetrates", r=mm(r), apart=mm(z))

@@ -81,7 +81,7 @@ def read_dxf(
         for hides in (Layer.is_off, Layer.is_frozen)
     )
 
-    def wanted(layers: tuple[str, ...]) -> bool:
+    def is_drawn(layers: tuple[str, ...]) -> bool:
         within = [one.lower() for one in layers]
         if layer is not None:
             return within[-1] == layer.lower()
@@ -89,7 +89,7 @@ def read_dxf(
         return within[-1] not in off and frozen.isdisjoint(within)
 
     curves = [one for one in _simple(drawing.modelspace(), ()) if one[1].dxftype() in _CURVES]
-    chosen = [entity for layers, entity in curves if wanted(layers)]
+    chosen = [entity for layers, entity in curves if is_drawn(layers)]
     if curves and not chosen:
         wrong = "all layers are switched off or frozen" if layer is None else f'layer = "{layer}": is empty'
         names = ", ".join(sorted({layers[-1] for layers, _ in curves}))
@@ -135,14 +135,14 @@ def _last_digit(numbers: Iterable[float]) -> float:
     return float(10.0 ** min(one for one in exponents if isinstance(one, int)))
 
 
-def _simple(entities: Iterable[Any], around: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
+def _simple(entities: Iterable[Any], outer_layers: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Entities, polylines and blocks taken apart, with their layers from that of the outermost block inwards.
 
     What a block holds on layer "0" is on the layer of the block.
     """
     for entity in entities:
         own = entity.dxf.layer
-        layers = (*around, around[-1] if around and own == "0" else own)
+        layers = (*outer_layers, outer_layers[-1] if outer_layers and own == "0" else own)
         if entity.dxftype() in ("LWPOLYLINE", "POLYLINE", "INSERT"):
             yield from _simple(entity.virtual_entities(), layers)
         else:

@@ -52,12 +52,12 @@ class MeshedOutline(Outline):
         """The mesh of the body [m]."""
         return self.mesh
 
-    def shifted(self, dz: float) -> MeshedOutline:
+    def shift(self, dz: float) -> MeshedOutline:
         """The outline and its mesh moved by dz [m] along the axis."""
         moved = self.mesh.translated((0.0, dz))
-        return replace(self, segments=tuple(s.shifted(dz) for s in self.segments), mesh=moved)
+        return replace(self, segments=tuple(s.shift(dz) for s in self.segments), mesh=moved)
 
-    def halved(self) -> MeshedOutline:
+    def halve_triangles(self) -> MeshedOutline:
         """The same outline with every triangle cut into four."""
         return replace(self, mesh=self.mesh.refined())
 

@@ -86,7 +86,7 @@ class Profile:
         outline = Outline(self.name, tuple(pieces))
         if outline.area < 0:
             outline = Outline(self.name, tuple(s.reversed for s in reversed(pieces)))
-        return _name_pieces(outline, walled=self.walled)
+        return _name_pieces(outline, has_wall=self.walled)
 
 
 def _size(pieces: Sequence[Segment]) -> float:
@@ -174,11 +174,11 @@ def _upright_parts(s: Segment) -> list[Segment]:
     return [Segment(a, b, s.name, s.centre) for a, b in pairwise(cuts)]
 
 
-def _name_pieces(outline: Outline, *, walled: bool) -> Outline:
+def _name_pieces(outline: Outline, *, has_wall: bool) -> Outline:
     """Every piece with the full name of its boundary; "" where only the face will tell."""
     name = outline.name
     pieces = [replace(s, name=f"{name}_{s.name}" if s.name else "") for s in outline.segments]
-    found = _named_closure(pieces) if name == "closure" else _named_seat(pieces, walled=walled)
+    found = _named_closure(pieces) if name == "closure" else _named_seat(pieces, has_wall=has_wall)
     return Outline(name, tuple(found))
 
 
@@ -220,14 +220,14 @@ def _top(pieces: list[Segment]) -> set[int]:
     return top
 
 
-def _smooth(before: Segment, after: Segment) -> bool:
+def _smooth(incoming: Segment, outgoing: Segment) -> bool:
     """Whether there is no corner where one piece ends and the next begins."""
-    first = Curve((before,))
-    a, b = first.tangent(np.array(first.length)), Curve((after,)).tangent(np.array(0.0))
+    first = Curve((incoming,))
+    a, b = first.tangent(np.array(first.length)), Curve((outgoing,)).tangent(np.array(0.0))
     return float(a @ b) > math.cos(CORNER)
 
 
-def _named_seat(pieces: list[Segment], *, walled: bool) -> list[Segment]:
+def _named_seat(pieces: list[Segment], *, has_wall: bool) -> list[Segment]:
     if any(min(s.start[0], s.end[0]) <= 0.0 for s in pieces):
         raise GeometryError("seat outline: touches the axis, r = 0; the fluid needs a bore")
     size = _size(pieces)
@@ -236,7 +236,7 @@ def _named_seat(pieces: list[Segment], *, walled: bool) -> list[Segment]:
     def level(s: Segment, axis: int, value: float) -> bool:
         return s.centre is None and all(abs(p[axis] - value) <= _CLOSED * size for p in (s.start, s.end))
 
-    for part, axis, value in (("bottom", 1, lowest), ("wall", 0, widest))[: 2 if walled else 1]:
+    for part, axis, value in (("bottom", 1, lowest), ("wall", 0, widest))[: 2 if has_wall else 1]:
         if not any(s.name == f"seat_{part}" for s in pieces):
             pieces = [
                 replace(s, name=f"seat_{part}") if not s.name and level(s, axis, value) else s for s in pieces

@@ -138,7 +138,7 @@ def _check_pieces(pieces: list[Segment], path: Path) -> None:
                 )
 
 
-def _loop(pieces: list[Segment], apart: float, path: Path) -> list[Segment]:
+def _loop(pieces: list[Segment], reach: float, path: Path) -> list[Segment]:
     """The pieces in order, each starting within a distance [m] of where the one before ends."""
     first, *rest = pieces
     loop = [first]
@@ -146,15 +146,15 @@ def _loop(pieces: list[Segment], apart: float, path: Path) -> list[Segment]:
         at = loop[-1].end
         near = min(rest, key=lambda s: min(math.dist(at, s.start), math.dist(at, s.end)))
         gap = min(math.dist(at, near.start), math.dist(at, near.end))
-        if gap > apart:
-            if math.dist(at, loop[0].start) <= apart:
+        if gap > reach:
+            if math.dist(at, loop[0].start) <= reach:
                 raise GeometryError(
                     f"{path.name}: holds more than one outline, {len(rest)} pieces are left beside the first; draw one "
                     "body alone, on a layer of its own"
                 )
             raise GeometryError(
                 f"{path.name}: the outline is open at (r, z) = ({mm(at[0])}, {mm(at[1])}): the nearest end is "
-                f"{mm(gap)} away, and ends are joined up to {mm(apart)}; close it in the drawing, or give a larger "
+                f"{mm(gap)} away, and ends are joined up to {mm(reach)}; close it in the drawing, or give a larger "
                 "joint_gap"
             )
         rest.remove(near)
@@ -167,10 +167,10 @@ def _joints(loop: list[Segment]) -> Iterator[tuple[Segment, Segment]]:
     return pairwise([*loop, loop[0]])
 
 
-def _join_pieces(loop: list[Segment], apart: float) -> list[Segment]:
+def _join_pieces(loop: list[Segment], reach: float) -> list[Segment]:
     """The pieces with ends that meet where they lie within a distance [m] of each other; arcs remain arcs."""
     meets = [
-        _meeting_point(before, after, apart) if math.dist(before.end, after.start) <= apart else None
+        _meeting_point(before, after, reach) if math.dist(before.end, after.start) <= reach else None
         for before, after in _joints(loop)
     ]
     return [
@@ -179,21 +179,21 @@ def _join_pieces(loop: list[Segment], apart: float) -> list[Segment]:
     ]
 
 
-def _meeting_point(before: Segment, after: Segment, apart: float) -> Point:
+def _meeting_point(incoming: Segment, outgoing: Segment, reach: float) -> Point:
     """Where two pieces meet: lines stay on their line, and their ends are nearer to the truth than those of arcs."""
-    if before.end == after.start:
-        return before.end
-    if before.centre is None and after.centre is None:
-        (r, z), (dr, dz) = before.end, np.subtract(before.end, before.start)
-        along, up = np.subtract(after.end, after.start)
+    if incoming.end == outgoing.start:
+        return incoming.end
+    if incoming.centre is None and outgoing.centre is None:
+        (r, z), (dr, dz) = incoming.end, np.subtract(incoming.end, incoming.start)
+        along, up = np.subtract(outgoing.end, outgoing.start)
         across = dr * up - dz * along
         if across != 0:
-            way = ((after.start[0] - r) * up - (after.start[1] - z) * along) / across
+            way = ((outgoing.start[0] - r) * up - (outgoing.start[1] - z) * along) / across
             corner = (float(r + way * dr), float(z + way * dz))
-            if max(math.dist(corner, before.end), math.dist(corner, after.start)) <= apart:
+            if max(math.dist(corner, incoming.end), math.dist(corner, outgoing.start)) <= reach:
                 return corner
-    weight = 0.5 * (1 + (after.centre is None) - (before.centre is None))
-    return as_point((1 - weight) * np.array(before.end) + weight * np.array(after.start))
+    weight = 0.5 * (1 + (outgoing.centre is None) - (incoming.centre is None))
+    return as_point((1 - weight) * np.array(incoming.end) + weight * np.array(outgoing.start))
 
 
 def _fit_piece(s: Segment, start: Point, end: Point) -> Segment:
@@ -205,14 +205,14 @@ def _fit_piece(s: Segment, start: Point, end: Point) -> Segment:
     return replace(s, start=start, end=end, centre=(turned.real, turned.imag))
 
 
-def _drop_duplicates(pieces: list[Segment], apart: float) -> list[Segment]:
+def _drop_duplicates(pieces: list[Segment], slack: float) -> list[Segment]:
     """The pieces without mere points and without those that lie on one before, both of which drawings hold unseen."""
     kept: list[tuple[Segment, Point]] = []
     for s in (s for s in pieces if s.start != s.end):
         curve = Curve((s,))
         r, z = curve.point(np.array(0.5 * curve.length)).tolist()
         if not any(
-            math.dist(middle, (r, z)) <= apart and max(map(math.dist, ends, (s.start, s.end))) <= apart
+            math.dist(middle, (r, z)) <= slack and max(map(math.dist, ends, (s.start, s.end))) <= slack
             for one, middle in kept
             for ends in ((one.start, one.end), (one.end, one.start))
         ):

@@ -178,9 +178,9 @@ def facets_at(face: Curve, radius: float) -> tuple[Segment, ...]:
     return ()
 
 
-def _turn(before: Segment, after: Segment) -> float:
+def _turn(line: Segment, next_line: Segment) -> float:
     """Angle by which a line turns from the one before [rad]."""
-    a, b = np.subtract(before.end, before.start), np.subtract(after.end, after.start)
+    a, b = np.subtract(line.end, line.start), np.subtract(next_line.end, next_line.start)
     return math.atan2(a[0] * b[1] - a[1] * b[0], float(a @ b))
 
 
@@ -304,7 +304,7 @@ class ContactGeometry:
             )
         s = seat.face.project_radius(touch.radius)
         level = float(seat.face.point(np.asarray(s))[1])
-        geometry = cls(closure.shifted(-touch.drop - level), seat.shifted(-level), touch.radius)
+        geometry = cls(closure.shift(-touch.drop - level), seat.shift(-level), touch.radius)
         geometry._check_touch()
         return geometry
 
@@ -353,7 +353,7 @@ class ContactGeometry:
 
     def with_finer_meshes(self) -> ContactGeometry:
         """The same contact with every ready mesh halved; bodies without one are left alone."""
-        return replace(self, closure=self.closure.halved(), seat=self.seat.halved())
+        return replace(self, closure=self.closure.halve_triangles(), seat=self.seat.halve_triangles())
 
     @cached_property
     def closure_face(self) -> Curve:

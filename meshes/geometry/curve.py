@@ -76,7 +76,7 @@ class Segment:
         """The same piece run from its end to its start."""
         return Segment(self.end, self.start, self.name, self.centre)
 
-    def shifted(self, dz: float) -> Segment:
+    def shift(self, dz: float) -> Segment:
         """The segment moved by dz [m] along the axis."""
 
         def move(p: Point) -> Point:

@@ -83,14 +83,14 @@ def rounded(curve: Curve, radius: Callable[[int], float] | float) -> Curve:
     return Curve(tuple(done))
 
 
-def _round_corner(before: Segment, after: Segment, radius: float) -> list[Segment]:
-    pieces = _with_arc(before, after, radius)
+def _round_corner(first: Segment, second: Segment, radius: float) -> list[Segment]:
+    pieces = _with_arc(first, second, radius)
     if pieces is None:
-        r, z = before.end
+        r, z = first.end
         low, high = 0.0, radius
         for _ in range(40):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if _with_arc(before, after, middle) else (low, middle)
+            low, high = (middle, high) if _with_arc(first, second, middle) else (low, middle)
         raise GeometryError(
             f"an edge radius of {mm(radius)} does not fit at the corner r = {mm(r)}, z = {mm(z)}: allowed is up "
             f"to {mm(low)} between the faces beside it; make the edge sharper or the faces wider"
@@ -210,7 +210,7 @@ class Outline:
         """The mesh of a body that comes as one [m]; None for a drawn outline."""
         return None
 
-    def halved(self) -> Outline:
+    def halve_triangles(self) -> Outline:
         """The outline as it is; one that comes as a mesh has every triangle cut into four."""
         return self
 
@@ -265,9 +265,9 @@ class Outline:
         inner = (first, *pieces[1:-1], last) if len(pieces) > 1 else (replace(first, end=last.end),)
         return Outline(self.name, (*before, *inner, *after), label=self.label)
 
-    def shifted(self, dz: float) -> Outline:
+    def shift(self, dz: float) -> Outline:
         """The outline moved by dz [m] along the axis."""
-        return replace(self, segments=tuple(s.shifted(dz) for s in self.segments))
+        return replace(self, segments=tuple(s.shift(dz) for s in self.segments))
 
     @property
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:

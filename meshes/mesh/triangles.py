@@ -105,8 +105,8 @@ def _measure_triangles(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArr
 
 
 def _harmed_triangles(
-    before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]
+    measures: tuple[FloatArray, FloatArray], new_measures: tuple[FloatArray, FloatArray]
 ) -> BoolArray:
     """Triangles that are turned over, or worse than before and poor."""
-    (shape, area), (new_shape, new_area) = before, after
+    (shape, area), (new_shape, new_area) = measures, new_measures
     return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))

@@ -65,7 +65,7 @@ def check_not_negative(body: str, key: str, value: float) -> None:
     check_length(body, key, value, math.isfinite(value) and value >= 0, "must not be negative")
 
 
-def check_exceeds(body: str, key: str, value: float, limit: float, what: str) -> None:
+def check_exceeds(body: str, key: str, value: float, limit: float, name: str) -> None:
     """Refuse a dimension [m] that is not finite or not larger than another one.
 
     Parameters
@@ -75,14 +75,14 @@ def check_exceeds(body: str, key: str, value: float, limit: float, what: str) ->
     key : str
     value, limit : float
         [m]
-    what : str
+    name : str
         The other one in words, in front of its value: "bore_radius =".
 
     Raises
     ------
     GeometryError
     """
-    check_length(body, key, value, math.isfinite(value) and value > limit, f"must exceed {what} {{}}", limit)
+    check_length(body, key, value, math.isfinite(value) and value > limit, f"must exceed {name} {{}}", limit)
 
 
 def check_angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:

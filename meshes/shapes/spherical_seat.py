@@ -136,22 +136,22 @@ class SphericalSeat:
             seat._check_touch(partner, touch, f"seat contact_angle = {math.degrees(contact_angle):.6g} deg")
         return seat
 
-    def _check_touch(self, partner: Partner, touch: float, given: str) -> None:
+    def _check_touch(self, partner: Partner, touch: float, keys: str) -> None:
         """Refuse a face on which the closure first touches anywhere else than at r = `touch`."""
         face = self.outline.face
-        found = partner.touch_on(face)
-        if math.isclose(found, touch, rel_tol=1e-6):
+        radius = partner.touch_on(face)
+        if math.isclose(radius, touch, rel_tol=1e-6):
             return
         if math.isclose(self.radius * partner.curvature_on(face), 1, rel_tol=1e-6):
             same_centre = abs(self.centre_offset) < 1e-6 * self.radius
             remedy = "leave contact_angle out, or make" if same_centre else "make"
             raise GeometryError(
-                f"{given}: the closure has the radius of the face, {mm(self.radius)}, so that they fit each other "
+                f"{keys}: the closure has the radius of the face, {mm(self.radius)}, so that they fit each other "
                 f"and touch nowhere first; {remedy} the radius of the seat larger"
             )
         raise GeometryError(
-            f"{given}: at that angle, r = {mm(touch)}, the closure does not touch the face of radius "
-            f"{mm(self.radius)} first, but at r = {mm(found)}; make the radius of the seat larger than that of "
+            f"{keys}: at that angle, r = {mm(touch)}, the closure does not touch the face of radius "
+            f"{mm(self.radius)} first, but at r = {mm(radius)}; make the radius of the seat larger than that of "
             "the closure there, or the face wider"
         )
 
