@@ -75,23 +75,23 @@ def gmsh_session(name: str) -> Iterator[ModuleType]:
     """
     gmsh = load_gmsh()
     with _LOCK:
-        own = not gmsh.isInitialized()
-        if own:
+        starts = not gmsh.isInitialized()
+        if starts:
             # interruptible=False: gmsh's own SIGINT handler works in the main thread only.
             gmsh.initialize(argv=["fem-seal"], readConfigFiles=False, run=False, interruptible=False)
             _ignore_broken_pipes()
-        before = {} if own else {key: gmsh.option.getNumber(key) for key in _OPTIONS}
-        previous = None if own else gmsh.model.getCurrent()
+        former_options = {} if starts else {key: gmsh.option.getNumber(key) for key in _OPTIONS}
+        previous = None if starts else gmsh.model.getCurrent()
         try:
             for key, value in _OPTIONS.items():
                 gmsh.option.setNumber(key, value)
             gmsh.model.add(name)
             yield gmsh
         finally:
-            if own:
+            if starts:
                 gmsh.finalize()
             else:
                 gmsh.model.remove()
                 gmsh.model.setCurrent(previous)
-                for key, value in before.items():
+                for key, value in former_options.items():
                     gmsh.option.setNumber(key, value)

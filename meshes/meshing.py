@@ -111,13 +111,13 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
         outline if isinstance(outline, MeshedOutline) else _with_contact_line(outline, arc, stub)
         for outline, arc in ((contact.closure, contact.closure_arc(x)), (contact.seat, contact.seat_arc(x)))
     )
-    alike = known is not None and _graded_alike(contact, sizing, known)
-    before = {o.name: o for o in known.outlines} if known is not None and alike else {}
+    is_alike = known is not None and _graded_alike(contact, sizing, known)
+    known_outlines = {o.name: o for o in known.outlines} if known is not None and is_alike else {}
     bodies = {}
     for outline in outlines:
         if isinstance(outline, MeshedOutline):
             mesh = outline.with_contact(contact, sizing.zone)
-        elif before.get(outline.name) == outline:
+        elif known_outlines.get(outline.name) == outline:
             mesh = getattr(known, outline.name)
         else:
             mesh = triangulate(outline, contact, sizing)
@@ -127,11 +127,11 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
 
 def _graded_alike(contact: ContactGeometry, sizing: Sizing, mesh: SealMesh) -> bool:
     """Whether gmsh is asked for the same element sizes as in a mesh that is known."""
-    seen = [
-        (one.closure.largest_radius, one.initial_contact_radius, *one.point(np.array(sizing.zone)).ravel())
-        for one in (contact, mesh.contact)
+    measures = [
+        (c.closure.largest_radius, c.initial_contact_radius, *c.point(np.array(sizing.zone)).ravel())
+        for c in (contact, mesh.contact)
     ]
-    return sizing == mesh.sizing and not sizing.spots and seen[0] == seen[1]
+    return sizing == mesh.sizing and not sizing.spots and measures[0] == measures[1]
 
 
 def _with_contact_line(outline: Outline, ends: FloatArray, stub: FloatArray) -> Outline:
@@ -141,9 +141,9 @@ def _with_contact_line(outline: Outline, ends: FloatArray, stub: FloatArray) -> 
     """
     face, name = outline.face, outline.name
     # What is left of a face beyond the last ray that meets both bodies is round-off.
-    before, after = np.minimum(_END * face.length, stub)
-    ends = np.where(ends < before, 0.0, ends)
-    ends = np.where(ends > face.length - after, face.length, ends)
+    first_end, last_end = np.minimum(_END * face.length, stub)
+    ends = np.where(ends < first_end, 0.0, ends)
+    ends = np.where(ends > face.length - last_end, face.length, ends)
     pieces = (
         *face.part(0.0, float(ends[0]), f"{name}_inner", (0.0, float(stub[0]))),
         *face.pieces(ends, f"{name}_contact"),
@@ -204,20 +204,20 @@ class _DrawnBody:
 def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _DrawnBody:
     """Add a body."""
     geo = gmsh.model.geo
-    exact: dict[int, tuple[float, float]] = {}
+    points: dict[int, tuple[float, float]] = {}
 
     @cache
     def point(p: tuple[float, float]) -> int:
         tag = int(geo.addPoint(*(round(x / scale, _DIGITS) for x in p), 0.0))
-        exact[tag] = p
+        points[tag] = p
         return tag
 
     curves: dict[str, list[int]] = {}
     chords: dict[str, list[tuple[int, int]]] = {}
     loop = []
     # A segment ends where the next one starts, also where round-off puts its own end a bit off that point.
-    for s, following in zip(outline.segments, (*outline.segments[1:], outline.segments[0]), strict=True):
-        start, end = point(s.start), point(following.start)
+    for s, next_s in zip(outline.segments, (*outline.segments[1:], outline.segments[0]), strict=True):
+        start, end = point(s.start), point(next_s.start)
         # Pieces of the contact line carry one element each: chords, whatever they are cut from.
         if s.name.endswith("_contact"):
             loop.append(geo.addLine(start, end))
@@ -231,7 +231,7 @@ def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _DrawnBody:
         curves.setdefault(s.name, []).append(loop[-1])
     geo.addPlaneSurface([geo.addCurveLoop(loop)])
     geo.synchronize()
-    return _DrawnBody(exact, curves, chords)
+    return _DrawnBody(points, curves, chords)
 
 
 def _set_sizes(gmsh: ModuleType, name: str, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
@@ -272,11 +272,11 @@ def _along_and_deep(contact: ContactGeometry, zone: tuple[float, float], scale: 
     chord = (ends[1] - ends[0]) / math.dist(*ends)
     normal = np.array([-chord[1], chord[0]])
     # Angle between the chords from first touch to both ends, over the radius of the circle through all three points.
-    before, after = touch - ends[0], ends[1] - touch
+    first_chord, second_chord = touch - ends[0], ends[1] - touch
     k = (
         2
-        * (before[0] * after[1] - before[1] * after[0])
-        / math.prod(math.hypot(*side) for side in (before, after, ends[1] - ends[0]))
+        * (first_chord[0] * second_chord[1] - first_chord[1] * second_chord[0])
+        / math.prod(math.hypot(*side) for side in (first_chord, second_chord, ends[1] - ends[0]))
     )
     if abs(k) * math.dist(*ends) < 1e-6:
         dr, dz = f"(x-({touch[0]:.{_DIGITS}g}))", "y"

@@ -58,7 +58,7 @@ def run_in_subprocess(
     """
     request = pickle.dumps(sys.path) + pickle.dumps((time_limit, function, arguments, options))
     try:
-        ended = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-c", _START],
             input=request,
             capture_output=True,
@@ -70,10 +70,10 @@ def run_in_subprocess(
     except OSError as error:
         raise OwnProcessError(f"no process could be started: {error}") from None
     try:
-        returned, reply = pickle.loads(ended.stdout)
+        succeeded, reply = pickle.loads(process.stdout)
     except (pickle.UnpicklingError, EOFError):
-        raise OwnProcessError(_death(ended)) from None
-    if not returned:
+        raise OwnProcessError(_death(process)) from None
+    if not succeeded:
         raise reply
     result: T = reply
     return result
@@ -93,7 +93,7 @@ def answer() -> None:
         # a library that hangs does not come back to Python's own handler; the system's ends the process
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.setitimer(signal.ITIMER_REAL, time_limit + _GRACE)
-    with os.fdopen(os.dup(1), "wb") as out:
+    with os.fdopen(os.dup(1), "wb") as stream:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 1)
         os.dup2(nowhere, 2)
@@ -104,4 +104,4 @@ def answer() -> None:
         except Exception as error:  # damaged files make other people's readers raise anything
             detail = " ".join(str(error).split())[:160]
             outcome = False, OwnProcessError(detail or "damaged")
-        pickle.dump(outcome, out)
+        pickle.dump(outcome, stream)

@@ -76,32 +76,32 @@ def read_dxf(
     if axis not in ("x", "y"):
         raise GeometryError(f'{path.name}: axis = "{axis}": a DXF section is drawn in x and y')
     columns = np.array([1, 0] if axis == "x" else [0, 1])
-    off, frozen = (
-        {one.dxf.name.lower() for one in drawing.layers if hides(one)}
+    off_layers, frozen_layers = (
+        {entry.dxf.name.lower() for entry in drawing.layers if hides(entry)}
         for hides in (Layer.is_off, Layer.is_frozen)
     )
 
     def is_drawn(layers: tuple[str, ...]) -> bool:
-        within = [one.lower() for one in layers]
+        names = [name.lower() for name in layers]
         if layer is not None:
-            return within[-1] == layer.lower()
+            return names[-1] == layer.lower()
         # A frozen block hides all that it holds, one that is switched off only what is on its own layer.
-        return within[-1] not in off and frozen.isdisjoint(within)
+        return names[-1] not in off_layers and frozen_layers.isdisjoint(names)
 
-    curves = [one for one in _simple(drawing.modelspace(), ()) if one[1].dxftype() in _CURVES]
-    chosen = [entity for layers, entity in curves if is_drawn(layers)]
-    if curves and not chosen:
-        wrong = "all layers are switched off or frozen" if layer is None else f'layer = "{layer}": is empty'
+    curves = [item for item in _simple(drawing.modelspace(), ()) if item[1].dxftype() in _CURVES]
+    entities = [entity for layers, entity in curves if is_drawn(layers)]
+    if curves and not entities:
+        fault = "all layers are switched off or frozen" if layer is None else f'layer = "{layer}": is empty'
         names = ", ".join(sorted({layers[-1] for layers, _ in curves}))
-        raise GeometryError(f"{path.name}: {wrong}; layers with drawing are {names}")
+        raise GeometryError(f"{path.name}: {fault}; layers with drawing are {names}")
     unit = length_unit or _UNITS.get(drawing.units)
     if unit is None:
-        size = bbox.extents(chosen, fast=True).size if chosen else (0.0, 0.0)
+        size = bbox.extents(entities, fast=True).size if entities else (0.0, 0.0)
         raise GeometryError(
             f"{path.name}: does not say its unit ($INSUNITS = {drawing.units}); the section is {size[0]:.4g} wide and "
             f'{size[1]:.4g} high: give length_unit, such as "mm" or "in"'
         )
-    pieces = [s for entity in chosen for s in _pieces(entity, unit, columns, tolerance)]
+    pieces = [s for entity in entities for s in _pieces(entity, unit, columns, tolerance)]
     return pieces, unit, unit * _find_rounding(drawing.entitydb.values())
 
 
@@ -111,28 +111,28 @@ def _find_rounding(entities: Iterable[Any]) -> float:
     A program writes all numbers with as many digits, so that the longest ones tell how many.
     """
     numbers, angles, largest = [0.0], [0.0], 0.0
-    for one in entities:
-        kind = one.dxftype()
+    for entity in entities:
+        kind = entity.dxftype()
         if kind == "LINE":
-            numbers += [*one.dxf.start, *one.dxf.end]
+            numbers += [*entity.dxf.start, *entity.dxf.end]
         elif kind in ("ARC", "CIRCLE"):
-            numbers += [*one.dxf.center, one.dxf.radius]
+            numbers += [*entity.dxf.center, entity.dxf.radius]
             if kind == "ARC":
-                angles += [one.dxf.start_angle, one.dxf.end_angle]
-                largest = max(largest, one.dxf.radius)
+                angles += [entity.dxf.start_angle, entity.dxf.end_angle]
+                largest = max(largest, entity.dxf.radius)
         elif kind == "LWPOLYLINE":
-            numbers += [c for vertex in one.vertices() for c in vertex]
+            numbers += [c for vertex in entity.vertices() for c in vertex]
         elif kind == "VERTEX":
-            numbers += [*one.dxf.location]
+            numbers += [*entity.dxf.location]
         elif kind == "SPLINE":
-            numbers += [c for point in one.control_points for c in point]
+            numbers += [c for point in entity.control_points for c in point]
     # Half a digit of both coordinates of a centre and of the radius, for each of the two ends.
     return (1 + math.sqrt(2)) * _last_digit(numbers) + largest * math.radians(_last_digit(angles))
 
 
 def _last_digit(numbers: Iterable[float]) -> float:
-    exponents = (Decimal(repr(float(one))).as_tuple().exponent for one in numbers)
-    return float(10.0 ** min(one for one in exponents if isinstance(one, int)))
+    exponents = (Decimal(repr(float(number))).as_tuple().exponent for number in numbers)
+    return float(10.0 ** min(exponent for exponent in exponents if isinstance(exponent, int)))
 
 
 def _simple(entities: Iterable[Any], outer_layers: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -141,8 +141,8 @@ def _simple(entities: Iterable[Any], outer_layers: tuple[str, ...]) -> Iterator[
     What a block holds on layer "0" is on the layer of the block.
     """
     for entity in entities:
-        own = entity.dxf.layer
-        layers = (*outer_layers, outer_layers[-1] if outer_layers and own == "0" else own)
+        layer = entity.dxf.layer
+        layers = (*outer_layers, outer_layers[-1] if outer_layers and layer == "0" else layer)
         if entity.dxftype() in ("LWPOLYLINE", "POLYLINE", "INSERT"):
             yield from _simple(entity.virtual_entities(), layers)
         else:
@@ -192,14 +192,14 @@ def _curve(entity: Any, unit: float, columns: Any, tolerance: float) -> list[Seg
         )
 
     knots = np.unique(np.round(np.array(spline.knots()), 12))
-    inside = knots[(knots >= 0) & (knots <= spline.max_t)]
+    inner_knots = knots[(knots >= 0) & (knots <= spline.max_t)]
     # A derivative at a knot belongs to what follows it: keep off by a hair at the end of each piece.
     hair = 1e-12 * spline.max_t
     return [
         s
-        for a, b in pairwise(inside.tolist())
+        for a, b in pairwise(inner_knots.tolist())
         if b - a > 1e-9 * spline.max_t
-        for s in fit_arcs(at, a, b - hair if b == inside[-1] else b, tolerance)
+        for s in fit_arcs(at, a, b - hair if b == inner_knots[-1] else b, tolerance)
     ]
 
 

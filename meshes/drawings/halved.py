@@ -64,14 +64,14 @@ def upper_half(pieces: Sequence[Segment], rounding: float = 0.0) -> list[Segment
     if not _is_mirrored(pieces, level, slack):
         return list(pieces)
     parts = [part for s in pieces for part in _cut_piece(s, level, slack)]
-    above = [0.5 * (s.start[1] + s.end[1]) > level + 1e-7 * size for s in parts]
-    starts = [n for n, here in enumerate(above) if here and not above[n - 1]]
+    is_upper = [0.5 * (s.start[1] + s.end[1]) > level + 1e-7 * size for s in parts]
+    starts = [n for n, is_here in enumerate(is_upper) if is_here and not is_upper[n - 1]]
     if len(starts) != 1:
         raise GeometryError(
             f"gasket outline: its mid-plane cuts it into {len(starts)} pieces; a solid section has one"
         )
-    turned = [*parts[starts[0] :], *parts[: starts[0]]][: sum(above)]
-    return [*turned, Segment(turned[-1].end, turned[0].start, "bottom")]
+    half = [*parts[starts[0] :], *parts[: starts[0]]][: sum(is_upper)]
+    return [*half, Segment(half[-1].end, half[0].start, "bottom")]
 
 
 def _is_mirrored(pieces: Sequence[Segment], level: float, slack: float) -> bool:
@@ -82,10 +82,10 @@ def _is_mirrored(pieces: Sequence[Segment], level: float, slack: float) -> bool:
 
     def has_image(point: Point, among: list[Point]) -> bool:
         image = point[0], 2 * level - point[1]
-        return any(math.dist(image, one) <= slack for one in among)
+        return any(math.dist(image, point) <= slack for point in among)
 
     # a corner on the mid-plane is its own image, and so is the end of an arc that crosses it
-    return all(has_image(one, corners) for one in corners) and all(has_image(one, middles) for one in middles)
+    return all(has_image(p, corners) for p in corners) and all(has_image(p, middles) for p in middles)
 
 
 def _cut_piece(s: Segment, level: float, slack: float) -> list[Segment]:
@@ -94,11 +94,11 @@ def _cut_piece(s: Segment, level: float, slack: float) -> list[Segment]:
     if min(z, end_z) > level - slack or max(z, end_z) < level + slack:
         return [s]
     if s.centre is None:
-        across = r + (level - z) / (end_z - z) * (end_r - r)
+        cut_r = r + (level - z) / (end_z - z) * (end_r - r)
     else:
         reach = math.sqrt(math.dist(s.start, s.centre) ** 2 - (level - s.centre[1]) ** 2)
-        both = (s.centre[0] - reach, s.centre[0] + reach)
+        radii = (s.centre[0] - reach, s.centre[0] + reach)
         # an arc of less than half a turn lies on one side of its chord
-        across = min(both, key=lambda one: abs(one - 0.5 * (r + end_r)))
-    point = (across, level)
+        cut_r = min(radii, key=lambda radius: abs(radius - 0.5 * (r + end_r)))
+    point = (cut_r, level)
     return [Segment(s.start, point, s.name, s.centre), Segment(point, s.end, s.name, s.centre)]

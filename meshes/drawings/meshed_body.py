@@ -54,8 +54,8 @@ class MeshedOutline(Outline):
 
     def shift(self, dz: float) -> MeshedOutline:
         """The outline and its mesh moved by dz [m] along the axis."""
-        moved = self.mesh.translated((0.0, dz))
-        return replace(self, segments=tuple(s.shift(dz) for s in self.segments), mesh=moved)
+        mesh = self.mesh.translated((0.0, dz))
+        return replace(self, segments=tuple(s.shift(dz) for s in self.segments), mesh=mesh)
 
     def halve_triangles(self) -> MeshedOutline:
         """The same outline with every triangle cut into four."""
@@ -65,9 +65,9 @@ class MeshedOutline(Outline):
         """The zone [m] widened to whole facets of the face, as far as the faces stand in front of each other."""
         x = self._face_x(contact)
         low, high = contact.reach
-        inside = x[(x >= low) & (x <= high)]
-        below, above = inside[inside <= zone[0]], inside[inside >= zone[1]]
-        return float(below[-1] if len(below) else inside[0]), float(above[0] if len(above) else inside[-1])
+        x = x[(x >= low) & (x <= high)]
+        inner, outer = x[x <= zone[0]], x[x >= zone[1]]
+        return float(inner[-1] if len(inner) else x[0]), float(outer[0] if len(outer) else x[-1])
 
     def _face_x(self, contact: ContactGeometry) -> FloatArray:
         facets = self.mesh.facets[:, (self.mesh.boundaries or {})[f"{self.name}_face"]]
@@ -89,11 +89,11 @@ class MeshedOutline(Outline):
         )
         slack = 1e-9 * (zone[1] - zone[0])
         inner, outer = ends[1] <= zone[0] + slack, ends[0] >= zone[1] - slack
-        for part, chosen in (("inner", inner), ("contact", ~inner & ~outer), ("outer", outer)):
-            before = boundaries.get(f"{self.name}_{part}", np.zeros(0, dtype=int))
-            boundaries[f"{self.name}_{part}"] = np.concatenate([before, face[chosen]])
-        named = {part: facets for part, facets in boundaries.items() if len(facets)}
-        return type(self.mesh)(self.mesh.p, self.mesh.t).with_boundaries(named)
+        for part, belongs in (("inner", inner), ("contact", ~inner & ~outer), ("outer", outer)):
+            facets = boundaries.get(f"{self.name}_{part}", np.zeros(0, dtype=int))
+            boundaries[f"{self.name}_{part}"] = np.concatenate([facets, face[belongs]])
+        parts = {part: facets for part, facets in boundaries.items() if len(facets)}
+        return type(self.mesh)(self.mesh.p, self.mesh.t).with_boundaries(parts)
 
 
 @dataclass(frozen=True)
@@ -140,12 +140,12 @@ class MeshedBody:
         except OwnProcessError as error:
             longer = "; allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
             raise GeometryError(f"{path.name}: cannot be read as gmsh mesh ({error}){longer}") from error
-        used, t = np.unique(triangles, return_inverse=True)
-        columns = section_columns(np.abs(points[used]).max(axis=0).tolist(), axis, path)
+        nodes, t = np.unique(triangles, return_inverse=True)
+        columns = section_columns(np.abs(points[nodes]).max(axis=0).tolist(), axis, path)
         p = length_unit * points[:, columns].T
         where = np.full(len(points), -1)
-        where[used] = np.arange(len(used))
-        outline = _outline(name, path, p[:, used], t.reshape(triangles.shape).T, where, lines)
+        where[nodes] = np.arange(len(nodes))
+        outline = _outline(name, path, p[:, nodes], t.reshape(triangles.shape).T, where, lines)
         return cls(outline, length_unit)
 
 
@@ -184,13 +184,13 @@ def _read_body(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, I
             f"{path.name}: holds no triangles of the {name} but {', '.join(kinds) or 'nothing'}{hint}"
         )
     if "face" not in lines:
-        known = ", ".join(key for key, (_, dimension) in groups.items() if dimension == 1) or "none"
+        group_names = ", ".join(key for key, (_, dimension) in groups.items() if dimension == 1) or "none"
         raise GeometryError(
             f'{path.name}: needs a physical group of lines "{name}_face", where contact may happen; its groups are '
-            f"{known}"
+            f"{group_names}"
         )
-    for corners, found in ((3, triangles), *((2, one) for one in lines.values())):
-        for nodes in found:
+    for corners, blocks in ((3, triangles), *((2, blocks) for blocks in lines.values())):
+        for nodes in blocks:
             if nodes.shape[1] != corners or not np.all((nodes >= 0) & (nodes < len(mesh.points))):
                 raise GeometryError(f"{path.name}: holds elements whose nodes are not there; it is damaged")
     if not np.abs(mesh.points).max() < _LARGEST:
@@ -198,7 +198,7 @@ def _read_body(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, I
             f"{path.name}: holds a node further from the origin than {_LARGEST:g}, or at no place at all; a number of "
             "the file is damaged"
         )
-    return mesh.points, np.vstack(triangles), {part: np.vstack(found) for part, found in lines.items()}
+    return mesh.points, np.vstack(triangles), {part: np.vstack(blocks) for part, blocks in lines.items()}
 
 
 def _outline(
@@ -225,15 +225,15 @@ def _outline(
         pair = tuple(sorted((index[s.start], index[s.end])))
         boundaries.setdefault(s.name, []).append(facets[pair])
     # Nodes of the axis are exactly there.
-    exact = mesh.p.copy()
-    exact[0, list(axis.values())] = 0.0
-    named = MeshTri(exact, mesh.t).with_boundaries(
-        {key: np.array(found) for key, found in boundaries.items()}
+    points = mesh.p.copy()
+    points[0, list(axis.values())] = 0.0
+    body_mesh = MeshTri(points, mesh.t).with_boundaries(
+        {key: np.array(numbers) for key, numbers in boundaries.items()}
     )
     face = profile.face
     nodes = np.array([*(s.start for s in face.segments), face.segments[-1].end])
     smooth = profile.with_face(through(nodes, f"{name}_face", CORNER).segments)
-    return MeshedOutline(name, smooth.segments, named)
+    return MeshedOutline(name, smooth.segments, body_mesh)
 
 
 def _loop(mesh: MeshTri, path: Path) -> list[int]:
@@ -242,17 +242,17 @@ def _loop(mesh: MeshTri, path: Path) -> list[int]:
     for a, b in mesh.facets[:, mesh.boundary_facets()].T.tolist():
         neighbours.setdefault(a, []).append(b)
         neighbours.setdefault(b, []).append(a)
-    if any(len(found) != 2 for found in neighbours.values()):
+    if any(len(nodes) != 2 for nodes in neighbours.values()):
         raise GeometryError(f"{path.name}: the boundary of the mesh meets itself in a point")
     start = next(iter(neighbours))
-    loop, before = [start], -1
+    loop, last = [start], -1
     while True:
         a, b = neighbours[loop[-1]]
-        after = b if a == before else a
-        if after == start:
+        new = b if a == last else a
+        if new == start:
             break
-        before = loop[-1]
-        loop.append(after)
+        last = loop[-1]
+        loop.append(new)
     if len(loop) != len(neighbours):
         raise GeometryError(
             f"{path.name}: the mesh has more than one boundary; holes away from the axis are not possible"

@@ -98,25 +98,25 @@ def _close_pieces(name: str, pieces: list[Segment]) -> list[Segment]:
     if len(pieces) < 3:
         raise GeometryError(f"{name} outline: has {len(pieces)} pieces; a closed outline needs at least 3")
     size = max(math.dist(a, b) for a in (s.start for s in pieces) for b in (pieces[0].start,))
-    joined = []
-    for s, after in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
-        apart = math.dist(s.end, after.start)
-        if apart > _CLOSED * size:
+    loop = []
+    for s, second in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
+        gap = math.dist(s.end, second.start)
+        if gap > _CLOSED * size:
             raise GeometryError(
-                f"{name} outline: is open, {mm(apart)} are missing between {_place(s.end)} and {_place(after.start)}"
+                f"{name} outline: is open, {mm(gap)} are missing between {_place(s.end)} and {_place(second.start)}"
             )
-        joined.append(replace(s, end=after.start))
+        loop.append(replace(s, end=second.start))
     # Points on the axis are exactly there, so that the mesh's are.
-    on_axis = {p: (0.0, p[1]) for s in joined for p in (s.start,) if abs(p[0]) <= _CLOSED * size}
-    fixed = [replace(s, start=on_axis.get(s.start, s.start), end=on_axis.get(s.end, s.end)) for s in joined]
-    for s in fixed:
+    on_axis = {p: (0.0, p[1]) for s in loop for p in (s.start,) if abs(p[0]) <= _CLOSED * size}
+    parts = [replace(s, start=on_axis.get(s.start, s.start), end=on_axis.get(s.end, s.end)) for s in loop]
+    for s in parts:
         lowest = min(s.start[0], s.end[0], *(p[0] for p in _upright_points(s)))
         if lowest < -_CLOSED * size:
             raise GeometryError(
                 f"{name} outline: crosses the axis near {_place(s.start)}, down to r = {mm(lowest)}; draw the half "
                 "at r >= 0 alone"
             )
-    return fixed
+    return parts
 
 
 def _place(p: Point) -> str:
@@ -158,14 +158,14 @@ def _upright_points(s: Segment) -> list[Point]:
     if s.centre is None:
         return []
     radius, curve = math.dist(s.start, s.centre), Curve((s,))
-    found = []
+    places = []
     for side in (-1, 1):
         p = (s.centre[0] + side * radius, s.centre[1])
         foot = float(curve.project(np.array(p[0]), np.array(p[1])))
-        inside = 1e-9 * curve.length < foot < (1 - 1e-9) * curve.length
-        if inside and math.dist(curve.point(np.array(foot)), p) < 1e-9 * radius:
-            found.append((foot, p))
-    return [p for _, p in sorted(found)]
+        is_inner = 1e-9 * curve.length < foot < (1 - 1e-9) * curve.length
+        if is_inner and math.dist(curve.point(np.array(foot)), p) < 1e-9 * radius:
+            places.append((foot, p))
+    return [p for _, p in sorted(places)]
 
 
 def _upright_parts(s: Segment) -> list[Segment]:
@@ -178,8 +178,8 @@ def _name_pieces(outline: Outline, *, has_wall: bool) -> Outline:
     """Every piece with the full name of its boundary; "" where only the face will tell."""
     name = outline.name
     pieces = [replace(s, name=f"{name}_{s.name}" if s.name else "") for s in outline.segments]
-    found = _named_closure(pieces) if name == "closure" else _named_seat(pieces, has_wall=has_wall)
-    return Outline(name, tuple(found))
+    parts = _named_closure(pieces) if name == "closure" else _named_seat(pieces, has_wall=has_wall)
+    return Outline(name, tuple(parts))
 
 
 def _named_closure(pieces: list[Segment]) -> list[Segment]:
@@ -213,10 +213,10 @@ def _top(pieces: list[Segment]) -> set[int]:
     highest = max(upwards, key=lambda n: max(pieces[n].start[1], pieces[n].end[1]))
     top = {highest}
     for step in (1, -1):
-        n, beside = highest, (highest + step) % len(pieces)
-        while beside in upwards and _smooth(*(pieces[n], pieces[beside])[::step]):
-            top.add(beside)
-            n, beside = beside, (beside + step) % len(pieces)
+        n, neighbour = highest, (highest + step) % len(pieces)
+        while neighbour in upwards and _smooth(*(pieces[n], pieces[neighbour])[::step]):
+            top.add(neighbour)
+            n, neighbour = neighbour, (neighbour + step) % len(pieces)
     return top
 
 
@@ -276,12 +276,12 @@ def section_columns(reach: Sequence[float], axis: str, path: Path) -> list[int]:
     """
     names = "xyz"
     z = names.index(axis)
-    across = [n for n in range(3) if n != z]
+    others = [n for n in range(3) if n != z]
     # The bounding boxes of OpenCASCADE are larger by its tolerance.
-    thick = [n for n in across if reach[n] >= 1e-4 * max(reach)]
-    if len(thick) != 1:
+    flat_columns = [n for n in others if reach[n] >= 1e-4 * max(reach)]
+    if len(flat_columns) != 1:
         raise GeometryError(
             f'{path.name}: axis = "{axis}": the section must lie in a plane through this axis, but it reaches '
-            f"{', '.join(f'{reach[n]:.4g} along {names[n]}' for n in across)}"
+            f"{', '.join(f'{reach[n]:.4g} along {names[n]}' for n in others)}"
         )
-    return [*thick, z]
+    return [*flat_columns, z]

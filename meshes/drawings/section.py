@@ -112,11 +112,11 @@ def _section(
         raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
     _check_pieces(pieces, path)
     size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
-    apart = joint_gap or max(_JOINED * size, min(rounding, _MOST_JOINED * size))
-    loop = _loop(_drop_duplicates(pieces, _JOINED * size), apart, path)
-    gaps = [math.dist(before.end, after.start) for before, after in _joints(loop)]
-    widest = max((gap for gap in gaps if gap <= apart), default=0.0)
-    return replace(profile_of(name, _join_pieces(loop, apart), unit, apart), joined=widest)
+    reach = joint_gap or max(_JOINED * size, min(rounding, _MOST_JOINED * size))
+    loop = _loop(_drop_duplicates(pieces, _JOINED * size), reach, path)
+    gaps = [math.dist(first.end, second.start) for first, second in _joints(loop)]
+    widest = max((gap for gap in gaps if gap <= reach), default=0.0)
+    return replace(profile_of(name, _join_pieces(loop, reach), unit, reach), joined=widest)
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:
@@ -140,24 +140,24 @@ def _check_pieces(pieces: list[Segment], path: Path) -> None:
 
 def _loop(pieces: list[Segment], reach: float, path: Path) -> list[Segment]:
     """The pieces in order, each starting within a distance [m] of where the one before ends."""
-    first, *rest = pieces
+    first, *others = pieces
     loop = [first]
-    while rest:
+    while others:
         at = loop[-1].end
-        near = min(rest, key=lambda s: min(math.dist(at, s.start), math.dist(at, s.end)))
+        near = min(others, key=lambda s: min(math.dist(at, s.start), math.dist(at, s.end)))
         gap = min(math.dist(at, near.start), math.dist(at, near.end))
         if gap > reach:
             if math.dist(at, loop[0].start) <= reach:
                 raise GeometryError(
-                    f"{path.name}: holds more than one outline, {len(rest)} pieces are left beside the first; draw one "
-                    "body alone, on a layer of its own"
+                    f"{path.name}: holds more than one outline, {len(others)} pieces are left beside the first; draw "
+                    "one body alone, on a layer of its own"
                 )
             raise GeometryError(
                 f"{path.name}: the outline is open at (r, z) = ({mm(at[0])}, {mm(at[1])}): the nearest end is "
                 f"{mm(gap)} away, and ends are joined up to {mm(reach)}; close it in the drawing, or give a larger "
                 "joint_gap"
             )
-        rest.remove(near)
+        others.remove(near)
         loop.append(near if math.dist(at, near.start) <= math.dist(at, near.end) else near.reversed)
     return loop
 
@@ -170,8 +170,8 @@ def _joints(loop: list[Segment]) -> Iterator[tuple[Segment, Segment]]:
 def _join_pieces(loop: list[Segment], reach: float) -> list[Segment]:
     """The pieces with ends that meet where they lie within a distance [m] of each other; arcs remain arcs."""
     meets = [
-        _meeting_point(before, after, reach) if math.dist(before.end, after.start) <= reach else None
-        for before, after in _joints(loop)
+        _meeting_point(first, second, reach) if math.dist(first.end, second.start) <= reach else None
+        for first, second in _joints(loop)
     ]
     return [
         _fit_piece(s, start or s.start, end or s.end)
@@ -185,10 +185,10 @@ def _meeting_point(incoming: Segment, outgoing: Segment, reach: float) -> Point:
         return incoming.end
     if incoming.centre is None and outgoing.centre is None:
         (r, z), (dr, dz) = incoming.end, np.subtract(incoming.end, incoming.start)
-        along, up = np.subtract(outgoing.end, outgoing.start)
-        across = dr * up - dz * along
-        if across != 0:
-            way = ((outgoing.start[0] - r) * up - (outgoing.start[1] - z) * along) / across
+        next_dr, next_dz = np.subtract(outgoing.end, outgoing.start)
+        cross = dr * next_dz - dz * next_dr
+        if cross != 0:
+            way = ((outgoing.start[0] - r) * next_dz - (outgoing.start[1] - z) * next_dr) / cross
             corner = (float(r + way * dr), float(z + way * dz))
             if max(math.dist(corner, incoming.end), math.dist(corner, outgoing.start)) <= reach:
                 return corner
@@ -201,20 +201,20 @@ def _fit_piece(s: Segment, start: Point, end: Point) -> Segment:
     if s.centre is None or (start, end) == (s.start, s.end):
         return replace(s, start=start, end=end)
     first, last, centre, new_first, new_last = (complex(*p) for p in (s.start, s.end, s.centre, start, end))
-    turned = new_first + (centre - first) * (new_last - new_first) / (last - first)
-    return replace(s, start=start, end=end, centre=(turned.real, turned.imag))
+    new_centre = new_first + (centre - first) * (new_last - new_first) / (last - first)
+    return replace(s, start=start, end=end, centre=(new_centre.real, new_centre.imag))
 
 
 def _drop_duplicates(pieces: list[Segment], slack: float) -> list[Segment]:
     """The pieces without mere points and without those that lie on one before, both of which drawings hold unseen."""
-    kept: list[tuple[Segment, Point]] = []
+    unique: list[tuple[Segment, Point]] = []
     for s in (s for s in pieces if s.start != s.end):
         curve = Curve((s,))
         r, z = curve.point(np.array(0.5 * curve.length)).tolist()
         if not any(
             math.dist(middle, (r, z)) <= slack and max(map(math.dist, ends, (s.start, s.end))) <= slack
-            for one, middle in kept
-            for ends in ((one.start, one.end), (one.end, one.start))
+            for other, middle in unique
+            for ends in ((other.start, other.end), (other.end, other.start))
         ):
-            kept.append((s, (r, z)))
-    return [s for s, _ in kept]
+            unique.append((s, (r, z)))
+    return [s for s, _ in unique]

@@ -32,10 +32,10 @@ def biarc(
     -----
     K. M. Bolton, "Biarc curves", Computer-Aided Design 7 (1975) 89-92.
     """
-    chord, both = end - start, start_direction + end_direction
+    chord, directions = end - start, start_direction + end_direction
     turn = 2 * (1 - float(start_direction @ end_direction))
-    along, square = float(chord @ both), float(chord @ chord)
-    length = (math.sqrt(along**2 + turn * square) - along) / turn if turn > 1e-12 else square / (2 * along)
+    dot, square = float(chord @ directions), float(chord @ chord)
+    length = (math.sqrt(dot**2 + turn * square) - dot) / turn if turn > 1e-12 else square / (2 * dot)
     middle = 0.5 * (start + end + length * (start_direction - end_direction))
     return [_arc(start, start_direction, middle), _arc(end, -end_direction, middle).reversed]
 
@@ -43,10 +43,10 @@ def biarc(
 def _arc(start: FloatArray, direction: FloatArray, end: FloatArray) -> Segment:
     chord = end - start
     normal = np.array([-direction[1], direction[0]])
-    across = float(chord @ normal)
-    if abs(across) < 1e-9 * math.hypot(*chord):
+    offset = float(chord @ normal)
+    if abs(offset) < 1e-9 * math.hypot(*chord):
         return Segment(as_point(start), as_point(end), "")
-    radius = float(chord @ chord) / (2 * across)
+    radius = float(chord @ chord) / (2 * offset)
     return Segment(as_point(start), as_point(end), "", as_point(start + radius * normal))
 
 
@@ -83,8 +83,8 @@ def fit_arcs(
     if float(directions[0] @ directions[-1]) > 0:
         arcs = biarc(p[0], directions[0], p[-1], directions[-1])
         chain = Curve(tuple(s for s in arcs if s.start != s.end))
-        nearest = chain.point(chain.project(p[:, 0], p[:, 1])).T
-        if float(np.max(np.hypot(*(nearest - p).T))) <= tolerance:
+        foot = chain.point(chain.project(p[:, 0], p[:, 1])).T
+        if float(np.max(np.hypot(*(foot - p).T))) <= tolerance:
             return list(chain.segments)
     if depth == _DEEPEST:
         raise GeometryError(
@@ -135,9 +135,9 @@ def _directions(points: FloatArray, units: FloatArray) -> Sequence[FloatArray]:
     if len(units) == 1:
         return [units[0], units[0]]
     # Tangent and chord enclose the angle that the chord is seen under from a third point of the circle.
-    chord, across = points[1:-1] - points[2:], points[:-2] - points[2:]
-    seen = np.arctan2(chord[:, 0] * across[:, 1] - chord[:, 1] * across[:, 0], np.sum(chord * across, axis=1))
-    inner = [_rotate(u, -t) for u, t in zip(units[:-1], seen, strict=True)]
+    chord, side = points[1:-1] - points[2:], points[:-2] - points[2:]
+    angles = np.arctan2(chord[:, 0] * side[:, 1] - chord[:, 1] * side[:, 0], np.sum(chord * side, axis=1))
+    inner = [_rotate(u, -t) for u, t in zip(units[:-1], angles, strict=True)]
     return [_mirror_direction(inner[0], units[0]), *inner, _mirror_direction(inner[-1], units[-1])]
 
 

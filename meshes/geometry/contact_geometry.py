@@ -70,24 +70,24 @@ def first_touch(closure: Curve, seat: Curve, labels: tuple[str, str] = ("closure
     >>> print(f"{touch.radius * 1e3:.2f} mm")
     14.14 mm
     """
-    (above, below), upper, lower = labels, _graph(closure, labels[0]), _graph(seat, labels[1])
+    (top, bottom), upper, lower = labels, _graph(closure, labels[0]), _graph(seat, labels[1])
     places = [(r, c.height(r) - s.height(r)) for c in upper for s in lower for r in _candidates(c, s)]
     if not places:
         raise GeometryError(
-            f"{above} and {below} do not meet: the {above}'s face reaches from r = {mm(upper[0].start)} to "
-            f"{mm(upper[-1].end)}, the {below}'s from {mm(lower[0].start)} to {mm(lower[-1].end)}; change the radii, "
+            f"{top} and {bottom} do not meet: the {top}'s face reaches from r = {mm(upper[0].start)} to "
+            f"{mm(upper[-1].end)}, the {bottom}'s from {mm(lower[0].start)} to {mm(lower[-1].end)}; change the radii, "
             "the angle or the bore so that they overlap"
         )
     drop = min(distance for _, distance in places)
     slack = 1e-13 * max(closure.length, seat.length)
-    touching = sorted(r for r, distance in places if distance <= drop + slack)
+    radii = sorted(r for r, distance in places if distance <= drop + slack)
     # Two circles that touch at once have a gap between them; a stretch has none.
-    end = touching[0]
-    for r in touching[1:]:
+    end = radii[0]
+    for r in radii[1:]:
         if _distance(upper, lower, 0.5 * (end + r)) > drop + slack:
             break
         end = r
-    return Touch(float(0.5 * (touching[0] + end)), float(drop))
+    return Touch(float(0.5 * (radii[0] + end)), float(drop))
 
 
 def _distance(upper: list[_Graph], lower: list[_Graph], r: float) -> float:
@@ -119,8 +119,8 @@ def _graph(face: Curve, name: str) -> list[_Graph]:
     points, tangents = face.point(face.breaks), face.tangent(face.breaks[:-1])
     pieces = zip(points.T[:-1], points.T[1:], tangents.T, face.curvatures(face.breaks[:-1]), strict=True)
     graphs = []
-    for segment, ((start, z), (end, _), (along, up), curvature) in zip(face.segments, pieces, strict=True):
-        angle = math.atan2(up, along)
+    for segment, ((start, z), (end, _), (dr, dz), curvature) in zip(face.segments, pieces, strict=True):
+        angle = math.atan2(dz, dr)
         last = math.sin(angle) + curvature * (end - start)
         if not (end > start and abs(angle) <= math.pi / 2 * (1 + 1e-9) and abs(last) <= 1 + 1e-9):
             raise GeometryError(
@@ -139,17 +139,17 @@ def _candidates(c: _Graph, s: _Graph) -> list[float]:
     if abs(bend) * (high - low) < 1e-12 and abs(slope) < 1e-12:
         return [0.5 * (low + high)]
     stationary = low - slope / bend if bend else math.nan
-    inside = [stationary] if low < stationary < high else []
-    return [*inside, low, high]
+    inner = [stationary] if low < stationary < high else []
+    return [*inner, low, high]
 
 
 def at_a_corner(face: Curve, arc_length: float) -> bool:
     """Whether a face has a sharp corner at an arc length [m]."""
-    near = np.abs(face.breaks[1:-1] - arc_length) < 1e-9 * face.length
-    for s in face.breaks[1:-1][near]:
+    is_near = np.abs(face.breaks[1:-1] - arc_length) < 1e-9 * face.length
+    for s in face.breaks[1:-1][is_near]:
         step = 1e-12 * face.length
-        before, after = face.tangent(s - step), face.tangent(s + step)
-        if float(before @ after) < math.cos(1e-4):
+        tangent_before, tangent_after = face.tangent(s - step), face.tangent(s + step)
+        if float(tangent_before @ tangent_after) < math.cos(1e-4):
             return True
     return False
 
@@ -164,13 +164,13 @@ def facets_at(face: Curve, radius: float) -> tuple[Segment, ...]:
         Where the bodies touch first [m].
     """
     turns = [
-        0.0 if before.centre or after.centre else _turn(before, after)
-        for before, after in pairwise(face.segments)
+        0.0 if first.centre or second.centre else _turn(first, second)
+        for first, second in pairwise(face.segments)
     ]
-    bent = [math.copysign(1, t) if 1e-4 < abs(t) < _FACET_TURN else 0.0 for t in turns]
+    signs = [math.copysign(1, t) if 1e-4 < abs(t) < _FACET_TURN else 0.0 for t in turns]
     start = 0
-    for way, run in groupby(bent):
-        end = start + len(list(run))
+    for way, group in groupby(signs):
+        end = start + len(list(group))
         pieces = face.segments[start : end + 1]
         if way and len(pieces) >= _FACETS and pieces[0].start[0] <= radius <= pieces[-1].end[0]:
             return pieces
@@ -218,7 +218,7 @@ def _faces_in(outline: Outline) -> list[Outline]:
         return [named_beside(outline)]
     way = -1 if outline.name == "closure" else 1
     could_be = [not s.name and looks(s) == way for s in outline.segments]
-    chains = [list(run) for it, run in groupby(range(len(could_be)), could_be.__getitem__) if it]
+    chains = [list(run) for could, run in groupby(range(len(could_be)), could_be.__getitem__) if could]
     if not chains:
         side = "downwards" if outline.name == "closure" else "upwards"
         raise GeometryError(f"{outline.name} outline: no piece without another name looks {side}")
@@ -239,9 +239,9 @@ def named_beside(outline: Outline) -> Outline:
         return outline
     at = [n for n, s in enumerate(outline.segments) if s.name == f"{outline.name}_face"]
     # The surface of the closure begins at the axis, that of the seat at the wall.
-    before, after = ("inner", "outer") if outline.name == "closure" else ("outer", "inner")
-    unnamed = [n for n, s in enumerate(outline.segments) if not s.name]
-    return _rename_segments(outline, {n: f"{outline.name}_{before if n < at[0] else after}" for n in unnamed})
+    first, last = ("inner", "outer") if outline.name == "closure" else ("outer", "inner")
+    numbers = [n for n, s in enumerate(outline.segments) if not s.name]
+    return _rename_segments(outline, {n: f"{outline.name}_{first if n < at[0] else last}" for n in numbers})
 
 
 def _rename_segments(outline: Outline, names: Mapping[int, str]) -> Outline:
@@ -309,17 +309,17 @@ class ContactGeometry:
         return geometry
 
     def _check_touch(self) -> None:
-        both = f"{self.closure.label} and {self.seat.label}"
+        labels = f"{self.closure.label} and {self.seat.label}"
         for body in (self.closure, self.seat):
             face, label = body.face, body.label
             s = float(face.project(np.array(self.initial_contact_radius), np.array(0.0)))
             if min(s, face.length - s) < 1e-9 * face.length:
                 edge = face.point(np.array([0.0, face.length]))[0]
-                rounded = ', such as "sharp-edge" or "conical-land"' if body is self.seat else ""
+                examples = ', such as "sharp-edge" or "conical-land"' if body is self.seat else ""
                 raise GeometryError(
-                    f"{both} would touch first at r = {mm(self.initial_contact_radius)}, where the face "
+                    f"{labels} would touch first at r = {mm(self.initial_contact_radius)}, where the face "
                     f"of the {label} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, "
-                    f"the angle or the bore, or take a shape whose edge is round{rounded}"
+                    f"the angle or the bore, or take a shape whose edge is round{examples}"
                 )
             if at_a_corner(face, s):
                 corner = f"first at r = {mm(self.initial_contact_radius)} at a sharp corner of the {label}"
@@ -329,11 +329,11 @@ class ContactGeometry:
                     if facets
                     else "give it an edge radius"
                 )
-                raise GeometryError(f"{both} touch {corner}{',' if facets else ';'} {remedy}")
+                raise GeometryError(f"{labels} touch {corner}{',' if facets else ';'} {remedy}")
 
         if any(start < self._origin < end for start, end in self._chambers):
             raise GeometryError(
-                f"{both} touch first at r = {mm(self.initial_contact_radius)}, in a chamber between two "
+                f"{labels} touch first at r = {mm(self.initial_contact_radius)}, in a chamber between two "
                 "lands; make the chamber deeper, or the lands closer to each other"
             )
 
@@ -373,8 +373,8 @@ class ContactGeometry:
     def angle(self) -> float:
         """Angle theta between the axis and the contact normal at first touch [rad]; negative leans outwards."""
         n = self.normal(np.array(0.0))
-        found = math.atan2(-n[0], n[1])
-        return found if abs(found) > 1e-15 else 0.0
+        angle = math.atan2(-n[0], n[1])
+        return angle if abs(angle) > 1e-15 else 0.0
 
     @property
     def seat_curvature(self) -> float:
@@ -404,33 +404,33 @@ class ContactGeometry:
         # In the middle of a chamber the normal turns evenly from that of one land to that of the next.
         ends = [0.0, *(end for chamber in self._chambers for end in chamber), seat.length]
         lands = [s[(s >= low) & (s <= high)] for low, high in zip(ends[::2], ends[1::2], strict=True)]
-        turned = np.concatenate([self._normal_angle(land) for land in lands])
-        return None if np.ptp(turned) < 1e-12 else (np.concatenate(lands), turned)
+        angles = np.concatenate([self._normal_angle(land) for land in lands])
+        return None if np.ptp(angles) < 1e-12 else (np.concatenate(lands), angles)
 
     def _normal_angle(self, s: FloatArray) -> FloatArray:
         """Angle of the contact normal at arc lengths of one land [rad]."""
-        seat, closure, own = self.seat_face, self.closure_face, _angles(self.seat_face, s)
+        seat, closure, tilt = self.seat_face, self.closure_face, _angles(self.seat_face, s)
         if s[0] <= self._origin <= s[-1]:
             origin, first = self._origin, float(_angles(seat, np.array([self._origin]))[0])
         else:
             # where the closure comes closest along the axis
-            above, arc = closure.hits(seat.point(s), np.broadcast_to([[0.0], [1.0]], (2, len(s))))
-            if np.isnan(above).all():
+            height, arc = closure.hits(seat.point(s), np.broadcast_to([[0.0], [1.0]], (2, len(s))))
+            if np.isnan(height).all():
                 return np.full(len(s), float(_angles(seat, np.array([self._origin]))[0]))
-            nearest = int(np.nanargmin(above))
+            nearest = int(np.nanargmin(height))
             origin, first = float(s[nearest]), float(_angles(closure, arc[nearest : nearest + 1])[0])
-        turned = np.full(len(s), first)
+        angle = np.full(len(s), first)
         # A turn of the rays moves where they meet the closure by that turn of a small gap: it settles at once.
         for _ in range(_ROUNDS):
-            arc = closure.hits(seat.point(s), _normals(turned))[1]
-            faced = ~np.isnan(arc[1:] + arc[:-1])
-            facing = np.diff(_angles(closure, np.where(np.isnan(arc), 0.0, arc)))
-            share = _smaller(np.diff(own), facing) / np.where(np.diff(own) == 0, 1.0, np.diff(own))
+            arc = closure.hits(seat.point(s), _normals(angle))[1]
+            is_hit = ~np.isnan(arc[1:] + arc[:-1])
+            turns = np.diff(_angles(closure, np.where(np.isnan(arc), 0.0, arc)))
+            share = _smaller(np.diff(tilt), turns) / np.where(np.diff(tilt) == 0, 1.0, np.diff(tilt))
             # Beside the closure the normal goes on turning as it does at its end.
-            steps = np.interp(s[1:], s[1:][faced], share[faced]) * np.diff(own)
-            turned = np.concatenate([[0.0], np.cumsum(steps)])
-            turned += first - np.interp(origin, s, turned)
-        return turned
+            steps = np.interp(s[1:], s[1:][is_hit], share[is_hit]) * np.diff(tilt)
+            angle = np.concatenate([[0.0], np.cumsum(steps)])
+            angle += first - np.interp(origin, s, angle)
+        return angle
 
     @cached_property
     def reach(self) -> tuple[float, float]:
@@ -451,22 +451,22 @@ class ContactGeometry:
 
     def _last_in_front(self, end: float, tolerance: float) -> float:
         """How far towards x = `end` every contact normal leaves the seat and meets the closure, both [m]."""
-        near, rounds = 0.0, max(3, math.ceil(math.log(abs(end) / tolerance, 40)))
+        inner_end, rounds = 0.0, max(3, math.ceil(math.log(abs(end) / tolerance, 40)))
         for _ in range(rounds):
-            x = np.linspace(near, end, 41)
-            missed = np.isnan(self.gap(x)) | (self.facing(x) < _GRAZING)
-            if not missed.any():
+            x = np.linspace(inner_end, end, 41)
+            misses = np.isnan(self.gap(x)) | (self.facing(x) < _GRAZING)
+            if not misses.any():
                 return end
-            first = int(np.argmax(missed))
-            near, end = float(x[max(first - 1, 0)]), float(x[first])
-        return near
+            first = int(np.argmax(misses))
+            inner_end, end = float(x[max(first - 1, 0)]), float(x[first])
+        return inner_end
 
     @cached_property
     def breaks(self) -> FloatArray:
         """x at which one of the two faces has a corner or bends differently from there on [m], increasing."""
-        own = self.seat_face.bends - self._origin
-        other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
-        return _sorted_unique(np.concatenate([own, other]))
+        seat_bends = self.seat_face.bends - self._origin
+        closure_bends = self.coordinate(*self.closure_face.point(self.closure_face.bends))
+        return _sorted_unique(np.concatenate([seat_bends, closure_bends]))
 
     @property
     def chambers(self) -> tuple[float, ...]:
@@ -477,11 +477,11 @@ class ContactGeometry:
     def _chambers(self) -> tuple[tuple[float, float], ...]:
         """Arc lengths on the seat between which the middle half of each chamber lies [m], of a groove below it."""
         seat = self.seat_face
-        found = [np.array(one) for one in _middles(seat)]
-        for one in _middles(self.closure_face):
-            below = seat.hits(self.closure_face.point(np.array(one)), np.array([[0.0, 0.0], [-1.0, -1.0]]))[1]
-            found.append(below)
-        return tuple(sorted((float(start), float(end)) for start, end in found))
+        chambers = [np.array(ends) for ends in _middles(seat)]
+        for ends in _middles(self.closure_face):
+            arc = seat.hits(self.closure_face.point(np.array(ends)), np.array([[0.0, 0.0], [-1.0, -1.0]]))[1]
+            chambers.append(arc)
+        return tuple(sorted((float(start), float(end)) for start, end in chambers))
 
     def point(self, x: FloatArray) -> FloatArray:
         """Points (r, z) of the contact line [m], shape (2, ...) over x."""
@@ -505,8 +505,8 @@ class ContactGeometry:
 
     def facing(self, x: FloatArray) -> FloatArray:
         """Cosine of the angle between the seat's own normal and the contact normal, over x."""
-        own = self.seat_face.normal(np.asarray(x, dtype=float) + self._origin)
-        return np.sum(own * self.normal(x), axis=0)
+        normal = self.seat_face.normal(np.asarray(x, dtype=float) + self._origin)
+        return np.sum(normal * self.normal(x), axis=0)
 
     def bend(self, x: FloatArray) -> FloatArray:
         """Curvature of the more curved of the two faces over x [1/m], whichever way it bends."""
@@ -560,10 +560,10 @@ class ContactGeometry:
         if self.seat_face.is_straight:
             return foot.reshape(r.shape) - self._origin
         # Nodes of a chord lie a sag below the face.
-        above = 1e-3 * self.seat_face.length
+        clearance = 1e-3 * self.seat_face.length
         for _ in range(1 if self._normal_angles is None else _ROUNDS):
             normal = self.normal(foot - self._origin)
-            hit = self.seat_face.hits(points + above * normal, -normal)[1]
+            hit = self.seat_face.hits(points + clearance * normal, -normal)[1]
             foot = np.where(np.isnan(hit), foot, hit)
         return foot.reshape(r.shape) - self._origin
 
@@ -571,8 +571,8 @@ class ContactGeometry:
 def _middles(face: Curve) -> Iterator[tuple[float, float]]:
     """Arc lengths between which the middle half of each chamber of a face lies [m]."""
     place = 0.0
-    for kind, segments in groupby(face.segments, lambda one: one.name.endswith("_chamber")):
-        length = sum(one.length for one in segments)
+    for kind, segments in groupby(face.segments, lambda s: s.name.endswith("_chamber")):
+        length = sum(s.length for s in segments)
         if kind:
             yield place + 0.25 * length, place + 0.75 * length
         place += length
@@ -602,5 +602,5 @@ def _sorted_unique(values: FloatArray) -> FloatArray:
     values : ndarray
         Of one dimension.
     """
-    increasing = np.sort(values)
-    return increasing[np.diff(increasing, prepend=-np.inf) > 0]
+    numbers = np.sort(values)
+    return numbers[np.diff(numbers, prepend=-np.inf) > 0]

@@ -61,8 +61,8 @@ class Segment:
         a, b = np.subtract(self.start, c), np.subtract(self.end, c)
         compass = ((1, 0), (0, 1), (-1, 0), (0, -1))
         # On the arc are the directions that are no further from its middle than its ends are.
-        inside = [way for way in compass if float((a + b) @ way) * radius > float((a + b) @ a)]
-        return [self.start, self.end, *((c[0] + radius * r, c[1] + radius * z) for r, z in inside)]
+        ways = [way for way in compass if float((a + b) @ way) * radius > float((a + b) @ a)]
+        return [self.start, self.end, *((c[0] + radius * r, c[1] + radius * z) for r, z in ways)]
 
     @property
     def length(self) -> float:
@@ -164,8 +164,8 @@ class Curve:
         ends = self.tangent(self.breaks[1:-1])
         turn = self._curvature[:-1] * self._lengths[:-1]
         t = self._frames[:-1]
-        before = (np.cos(turn)[:, None] * t[:, 0] + np.sin(turn)[:, None] * t[:, 1]).T
-        corner = np.abs(before[0] * ends[1] - before[1] * ends[0]) > _CORNER
+        end_tangent = (np.cos(turn)[:, None] * t[:, 0] + np.sin(turn)[:, None] * t[:, 1]).T
+        corner = np.abs(end_tangent[0] * ends[1] - end_tangent[1] * ends[0]) > _CORNER
         return self.breaks[1:-1][corner | ((jump > _JUMP * larger) & (jump * size > 1e-3))]
 
     @property
@@ -177,14 +177,14 @@ class Curve:
     def is_straight(self) -> bool:
         """Whether the whole chain is one straight line."""
         ends = np.array([self.segments[0].start, self.segments[-1].end])
-        turned = self.tangent(self.breaks[:-1]) - ((ends[1] - ends[0]) / math.dist(*ends))[:, None]
-        return not self._curvature.any() and bool(np.abs(turned).max() < 1e-12)
+        turn = self.tangent(self.breaks[:-1]) - ((ends[1] - ends[0]) / math.dist(*ends))[:, None]
+        return not self._curvature.any() and bool(np.abs(turn).max() < 1e-12)
 
     def dense(self, number: int) -> FloatArray:
         """Arc lengths [m] of some `number` points, several on every segment, breaks among them."""
-        each = max(4, math.ceil(number / len(self.segments)))
-        between = np.linspace(0.0, 1.0, each, endpoint=False)
-        inner = self.breaks[:-1, None] + self._lengths[:, None] * between
+        count = max(4, math.ceil(number / len(self.segments)))
+        shares = np.linspace(0.0, 1.0, count, endpoint=False)
+        inner = self.breaks[:-1, None] + self._lengths[:, None] * shares
         return np.append(inner.ravel(), self.breaks[-1])
 
     def _locate(self, s: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -243,13 +243,13 @@ class Curve:
         ends = self.point(self.breaks)[0]
         n = int(np.clip(np.searchsorted(ends, radius, side="right") - 1, 0, len(self.segments) - 1))
         k, tangent = self._curvature[n], self._frames[n, 0]
-        along = radius - self._start[n, 0]
+        dr = radius - self._start[n, 0]
         if k:
             first = math.atan2(tangent[1], tangent[0])
             # Run outwards, the sine of the inclination is linear in r.
-            foot = (math.asin(min(max(math.sin(first) + k * along, -1.0), 1.0)) - first) / k
+            foot = (math.asin(min(max(math.sin(first) + k * dr, -1.0), 1.0)) - first) / k
         else:
-            foot = along / tangent[0]
+            foot = dr / tangent[0]
         return float(self.breaks[n] + min(max(foot, 0.0), self._lengths[n]))
 
     def hits(
@@ -274,9 +274,9 @@ class Curve:
             Of the curve's point that is hit [m], at an end also for what lies beyond it; nan where the ray misses.
         """
         slack = 1e-9 * self.length
-        before, after = np.full((2, len(self.segments)), slack)
-        before[0] += overhang
-        after[-1] += overhang
+        low, high = np.full((2, len(self.segments)), slack)
+        low[0] += overhang
+        high[-1] += overhang
         distance = np.full(origin.shape[1], np.inf)
         arc = np.full(origin.shape[1], np.nan)
         for n, length in enumerate(self._lengths):
@@ -285,11 +285,11 @@ class Curve:
             da, db = direction.T @ self._frames[n, 0], direction.T @ self._frames[n, 1]
             for t in _circle_roots(k, k * (a * da + b * db) - db, k * (a**2 + b**2) - 2 * b):
                 with np.errstate(invalid="ignore"):
-                    at, up = a + t * da, b + t * db
-                    foot = np.arctan2(k * at, 1 - k * up) / k if k else at
-                    on = (t > -slack) & (foot > -before[n]) & (foot < length + after[n]) & (t < distance)
-                distance = np.where(on, t, distance)
-                arc = np.where(on, self.breaks[n] + np.clip(foot, 0.0, length), arc)
+                    at, height = a + t * da, b + t * db
+                    foot = np.arctan2(k * at, 1 - k * height) / k if k else at
+                    is_hit = (t > -slack) & (foot > -low[n]) & (foot < length + high[n]) & (t < distance)
+                distance = np.where(is_hit, t, distance)
+                arc = np.where(is_hit, self.breaks[n] + np.clip(foot, 0.0, length), arc)
         return np.where(np.isfinite(distance), distance, np.nan), arc
 
     def _local(self, n: int, points: FloatArray) -> tuple[FloatArray, FloatArray]:

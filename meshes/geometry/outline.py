@@ -73,14 +73,14 @@ def rounded(curve: Curve, radius: Callable[[int], float] | float) -> Curve:
     >>> len(meshes.rounded(step, 1e-3).segments)
     3
     """
-    done = [curve.segments[0]]
-    for n, after in enumerate(curve.segments[1:], start=1):
-        wanted = radius(n) if callable(radius) else radius
-        if wanted > 0:
-            done[-1:] = _round_corner(done[-1], after, wanted)
+    segments = [curve.segments[0]]
+    for n, segment in enumerate(curve.segments[1:], start=1):
+        corner_radius = radius(n) if callable(radius) else radius
+        if corner_radius > 0:
+            segments[-1:] = _round_corner(segments[-1], segment, corner_radius)
         else:
-            done.append(after)
-    return Curve(tuple(done))
+            segments.append(segment)
+    return Curve(tuple(segments))
 
 
 def _round_corner(first: Segment, second: Segment, radius: float) -> list[Segment]:
@@ -98,18 +98,18 @@ def _round_corner(first: Segment, second: Segment, radius: float) -> list[Segmen
     return pieces
 
 
-def _with_arc(before: Segment, after: Segment, radius: float) -> list[Segment] | None:
+def _with_arc(a: Segment, b: Segment, radius: float) -> list[Segment] | None:
     """What is left of both segments, with the arc between them; None if it does not fit."""
-    first, second = Curve((before,)), Curve((after,))
-    leaving, entering = first.tangent(np.array(first.length)), second.tangent(np.array(0.0))
-    turn = math.atan2(leaving[0] * entering[1] - leaving[1] * entering[0], float(leaving @ entering))
+    first, second = Curve((a,)), Curve((b,))
+    u, v = first.tangent(np.array(first.length)), second.tangent(np.array(0.0))
+    turn = math.atan2(u[0] * v[1] - u[1] * v[0], float(u @ v))
     if abs(turn) < _SMOOTH:
-        return [before, after]
+        return [a, b]
     offset = math.copysign(radius, turn)
-    centres = _crossings(before, after, offset)
+    centres = _crossings(a, b, offset)
     if not centres:
         return None
-    centre = min(centres, key=lambda c: math.dist(c, before.end))
+    centre = min(centres, key=lambda c: math.dist(c, a.end))
     feet, places = [], []
     for curve in (first, second):
         foot = _foot(curve.segments[0], centre)
@@ -118,13 +118,13 @@ def _with_arc(before: Segment, after: Segment, radius: float) -> list[Segment] |
             return None
         feet.append(foot)
         places.append(s)
-    arc = Segment(feet[0], feet[1], before.name, centre)
-    head = first.part(0.0, places[0], before.name)
-    tail = second.part(places[1], second.length, after.name)
+    arc = Segment(feet[0], feet[1], a.name, centre)
+    head = first.part(0.0, places[0], a.name)
+    tail = second.part(places[1], second.length, b.name)
     # The very same points, so that the chain stays closed to the last digit.
-    kept = [Segment(s.start, feet[0], s.name, s.centre) for s in head]
-    rest = [Segment(feet[1], s.end, s.name, s.centre) for s in tail]
-    return [*kept, arc, *rest]
+    head_pieces = [Segment(s.start, feet[0], s.name, s.centre) for s in head]
+    tail_pieces = [Segment(feet[1], s.end, s.name, s.centre) for s in tail]
+    return [*head_pieces, arc, *tail_pieces]
 
 
 def _crossings(a: Segment, b: Segment, offset: float) -> list[Point]:
@@ -134,8 +134,8 @@ def _crossings(a: Segment, b: Segment, offset: float) -> list[Point]:
     if b.centre is None:
         (p, t), (q, u) = _offset_line(a, offset), _offset_line(b, offset)
         cross = t[0] * u[1] - t[1] * u[0]
-        along = ((q - p)[0] * u[1] - (q - p)[1] * u[0]) / cross
-        return [as_point(p + along * t)]
+        foot = ((q - p)[0] * u[1] - (q - p)[1] * u[0]) / cross
+        return [as_point(p + foot * t)]
     circle, size = np.array(b.centre), _offset_radius(b, offset)
     if size <= 0:
         return []
@@ -145,16 +145,14 @@ def _crossings(a: Segment, b: Segment, offset: float) -> list[Point]:
         half = size**2 - float((middle - circle) @ (middle - circle))
         return [] if half < 0 else [as_point(middle + s * math.sqrt(half) * t) for s in (-1, 1)]
     other, other_size = np.array(a.centre), _offset_radius(a, offset)
-    apart = float(np.hypot(*(circle - other)))
-    if other_size <= 0 or apart == 0:
+    separation = float(np.hypot(*(circle - other)))
+    if other_size <= 0 or separation == 0:
         return []
-    axis = (circle - other) / apart
-    along = (apart**2 + other_size**2 - size**2) / (2 * apart)
-    half = other_size**2 - along**2
-    across = np.array([-axis[1], axis[0]])
-    return (
-        [] if half < 0 else [as_point(other + along * axis + s * math.sqrt(half) * across) for s in (-1, 1)]
-    )
+    axis = (circle - other) / separation
+    foot = (separation**2 + other_size**2 - size**2) / (2 * separation)
+    half = other_size**2 - foot**2
+    normal = np.array([-axis[1], axis[0]])
+    return [] if half < 0 else [as_point(other + foot * axis + s * math.sqrt(half) * normal) for s in (-1, 1)]
 
 
 def _offset_line(s: Segment, offset: float) -> tuple[FloatArray, FloatArray]:
@@ -255,7 +253,7 @@ class Outline:
     def with_face(self, pieces: tuple[Segment, ...]) -> Outline:
         """The outline with its face replaced by `pieces`, which run from smaller to larger radius."""
         at = self._of_face
-        before, after = self.segments[: at[0]], self.segments[at[-1] + 1 :]
+        head, tail = self.segments[: at[0]], self.segments[at[-1] + 1 :]
         outwards = self.segments[at[0]].start[0] < self.segments[at[-1]].end[0]
         if not outwards:
             pieces = tuple(s.reversed for s in reversed(pieces))
@@ -263,7 +261,7 @@ class Outline:
         first = replace(pieces[0], start=self.segments[at[0]].start)
         last = replace(pieces[-1], end=self.segments[at[-1]].end)
         inner = (first, *pieces[1:-1], last) if len(pieces) > 1 else (replace(first, end=last.end),)
-        return Outline(self.name, (*before, *inner, *after), label=self.label)
+        return Outline(self.name, (*head, *inner, *tail), label=self.label)
 
     def shift(self, dz: float) -> Outline:
         """The outline moved by dz [m] along the axis."""
@@ -277,8 +275,8 @@ class Outline:
 
     def holds(self, points: FloatArray) -> BoolArray:
         """Which of some points (r, z) [m], shape (2, n), lie inside, arcs being followed by chords."""
-        along = [Curve((s,)) for s in self.segments]
-        corners = np.hstack([one.point(np.linspace(0.0, one.length, 33)[:-1]) for one in along])
+        curves = [Curve((s,)) for s in self.segments]
+        corners = np.hstack([curve.point(np.linspace(0.0, curve.length, 33)[:-1]) for curve in curves])
         (r, z), (next_r, next_z) = corners[..., None], np.roll(corners, -1, axis=1)[..., None]
         # a ray outwards leaves more often than it enters
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -100,13 +100,13 @@ class Sizing:
             More places that must be vertices [m]; those outside the zone are left out.
         """
         start, end = self.zone
-        fixed = np.array([start, 0.0, end])
+        stops = np.array([start, 0.0, end])
         if breaks is not None:
             # A break closer to a vertex than half an element would leave a sliver.
-            near = np.min(np.abs(np.subtract.outer(breaks, fixed)), axis=1, initial=np.inf)
-            inside = (breaks > start) & (breaks < end) & (near > 0.5 * self.size(breaks))
-            fixed = np.unique(np.concatenate([fixed, breaks[inside]]))
-        return np.concatenate([[start], *(self._divide_stretch(a, b) for a, b in pairwise(fixed.tolist()))])
+            distance = np.min(np.abs(np.subtract.outer(breaks, stops)), axis=1, initial=np.inf)
+            is_free = (breaks > start) & (breaks < end) & (distance > 0.5 * self.size(breaks))
+            stops = np.unique(np.concatenate([stops, breaks[is_free]]))
+        return np.concatenate([[start], *(self._divide_stretch(a, b) for a, b in pairwise(stops.tolist()))])
 
     def size(self, x: FloatArray) -> FloatArray:
         """Element size on the contact line at x [m]."""
@@ -121,14 +121,14 @@ class Sizing:
         # Away from the small elements the size grows in proportion to the distance: so do the steps.
         steps = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 600)])
         centres = [(-self.core, self.contact_size), (self.core, self.contact_size), *self.spots]
-        near = [
+        around_spots = [
             place + side * size / self.growth_along * steps for place, size in centres for side in (-1, 1)
         ]
-        x = np.unique(np.clip(np.concatenate([np.linspace(a, b, 401), *near]), a, b))
+        x = np.unique(np.clip(np.concatenate([np.linspace(a, b, 401), *around_spots]), a, b))
         middle = 0.5 * (x[1:] + x[:-1])
-        density, between = 1 / self.size(x), 1 / self.size(middle)
+        density, middle_density = 1 / self.size(x), 1 / self.size(middle)
         count = np.concatenate(
-            [[0.0], np.cumsum(np.diff(x) * (density[:-1] + 4 * between + density[1:]) / 6)]
+            [[0.0], np.cumsum(np.diff(x) * (density[:-1] + 4 * middle_density + density[1:]) / 6)]
         )
         elements = max(1, math.ceil(count[-1] * (1 - 1e-9)))
         if elements > _MOST:

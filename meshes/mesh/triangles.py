@@ -66,10 +66,10 @@ def facets_between(mesh: MeshTri, lines: Mapping[str, IntArray]) -> dict[str, In
         return pairs.min(axis=1) * np.int64(mesh.nvertices) + pairs.max(axis=1)
 
     # scikit-fem sorts the facets by their vertices, and so are these numbers.
-    known = numbers(mesh.facets.T)
-    facets = {name: np.searchsorted(known, numbers(pairs)) for name, pairs in lines.items()}
+    facet_numbers = numbers(mesh.facets.T)
+    facets = {name: np.searchsorted(facet_numbers, numbers(pairs)) for name, pairs in lines.items()}
     for name, pairs in lines.items():
-        if not np.array_equal(known.take(facets[name], mode="clip"), numbers(pairs)):
+        if not np.array_equal(facet_numbers.take(facets[name], mode="clip"), numbers(pairs)):
             raise MeshingError(
                 "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against "
                 "the bodies, use a larger contact size or edge radius"
@@ -86,16 +86,16 @@ def smooth_triangles(mesh: Triangles) -> Triangles:
     """
     p, (start, end) = mesh.p, mesh.facets
     neighbours = np.bincount(mesh.facets.ravel())
-    fixed = np.zeros(p.shape[1], dtype=bool)
-    fixed[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
-    before = _measure_triangles(p, mesh.t)
+    on_edge = np.zeros(p.shape[1], dtype=bool)
+    on_edge[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
+    measures = _measure_triangles(p, mesh.t)
     for _ in range(_ROUNDS):
         total = [np.bincount(start, c[end], len(c)) + np.bincount(end, c[start], len(c)) for c in p]
-        moved = np.where(fixed, p, np.stack(total) / neighbours)
+        new_p = np.where(on_edge, p, np.stack(total) / neighbours)
         # a vertex that stays may be the next one's trouble
-        while np.any(harmed := _harmed_triangles(before, after := _measure_triangles(moved, mesh.t))):
-            moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
-        p, before = moved, after
+        while np.any(worse := _harmed_triangles(measures, new := _measure_triangles(new_p, mesh.t))):
+            new_p[:, mesh.t[:, worse]] = p[:, mesh.t[:, worse]]
+        p, measures = new_p, new
     return replace(mesh, doflocs=p)
 
 

@@ -56,10 +56,10 @@ class Ball:
         )
         if not hole:
             return Outline("closure", (*shell, Segment(top, bottom, "closure_axis")))
-        inside = (
+        axis_side = (
             Segment(top, (0.0, hole), "closure_axis"),
             Segment((0.0, hole), (hole, 0.0), "closure_cavity", centre),
             Segment((hole, 0.0), (0.0, -hole), "closure_cavity", centre),
             Segment((0.0, -hole), bottom, "closure_axis"),
         )
-        return Outline("closure", (*shell, *inside))
+        return Outline("closure", (*shell, *axis_side))

@@ -44,9 +44,9 @@ class Disc:
 
     def __post_init__(self) -> None:
         check_positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
-        for key, whole in (("radius", self.radius), ("height", self.height)):
+        for key, size in (("radius", self.radius), ("height", self.height)):
             must = f"must be below the disc's {key} = {{}}"
-            check_length("closure", "edge_radius", self.edge_radius, self.edge_radius < whole, must, whole)
+            check_length("closure", "edge_radius", self.edge_radius, self.edge_radius < size, must, size)
 
     @classmethod
     def of(cls, radius: float, *, edge_radius: float | None = None, height: float | None = None) -> Disc:
@@ -62,8 +62,8 @@ class Disc:
             Half the radius unless given [m].
         """
         check_positive("closure", radius=radius)
-        thick = 0.5 * radius if height is None else height
-        return cls(radius, min(0.05 * radius, 0.25 * thick) if edge_radius is None else edge_radius, thick)
+        height = 0.5 * radius if height is None else height
+        return cls(radius, min(0.05 * radius, 0.25 * height) if edge_radius is None else edge_radius, height)
 
     @property
     def outline(self) -> Outline:

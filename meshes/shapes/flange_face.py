@@ -90,11 +90,11 @@ class FlangeFace:
         check_positive("closure", bore_radius=bore_radius)
         check_exceeds("closure", "outer_radius", outer_radius, bore_radius, "bore_radius =")
         edge = 0.01 * bore_radius if edge_radius is None else edge_radius
-        thick = outer_radius - bore_radius if height is None else height
-        check_positive("closure", height=thick, edge_radius=edge)
-        corners = [(bore_radius, -thick), (bore_radius, 0.0), (outer_radius, 0.0)]
+        thickness = outer_radius - bore_radius if height is None else height
+        check_positive("closure", height=thickness, edge_radius=edge)
+        corners = [(bore_radius, -thickness), (bore_radius, 0.0), (outer_radius, 0.0)]
         face = chain(corners, "seat_face", edge).without_first()
-        return cls(turned_over(housing(face, outer_radius, thick - edge)), edge, outer_radius, thick)
+        return cls(turned_over(housing(face, outer_radius, thickness - edge)), edge, outer_radius, thickness)
 
     @classmethod
     def raised(
@@ -124,9 +124,9 @@ class FlangeFace:
         edge = 0.05 * width if edge_radius is None else edge_radius
         step = 0.1 * width if land_height is None else land_height
         outer = 1.2 * land_outer_radius if outer_radius is None else outer_radius
-        thick = outer - land_inner_radius if height is None else height
-        land = FlatLand(land_inner_radius, land_outer_radius, edge, step, outer, thick)
-        return cls(turned_over(land.outline), edge, outer, thick)
+        thickness = outer - land_inner_radius if height is None else height
+        land = FlatLand(land_inner_radius, land_outer_radius, edge, step, outer, thickness)
+        return cls(turned_over(land.outline), edge, outer, thickness)
 
     @classmethod
     def conical(
@@ -150,9 +150,9 @@ class FlangeFace:
             Twice face_radius minus bore_radius, and the width of the flange unless given [m].
         """
         outer = 2 * face_radius - bore_radius if outer_radius is None else outer_radius
-        thick = outer - bore_radius if height is None else height
-        cone = ConicalSeat(angle, bore_radius, face_radius, outer, thick)
-        return cls(turned_over(cone.outline), 0.0, outer, thick)
+        thickness = outer - bore_radius if height is None else height
+        cone = ConicalSeat(angle, bore_radius, face_radius, outer, thickness)
+        return cls(turned_over(cone.outline), 0.0, outer, thickness)
 
     @classmethod
     def grooved(
@@ -199,7 +199,7 @@ class FlangeFace:
         must = "the flanks meet at {}; make the groove wider or less deep"
         check_length("closure", "groove_depth", groove_depth, bottom > 0, must, half * math.tan(angle))
         outer = 2 * r - bore_radius if outer_radius is None else outer_radius
-        thick = 5 * groove_depth if height is None else height
+        thickness = 5 * groove_depth if height is None else height
         check_exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")
         rounding = 0.1 * groove_depth if bottom_edge_radius is None else bottom_edge_radius
         corners = [
@@ -213,4 +213,4 @@ class FlangeFace:
         face = Curve(
             tuple(replace(s, name="seat_chamber") if s.start[1] == s.end[1] < 0 else s for s in face.segments)
         )
-        return cls(turned_over(housing(face, outer, thick)), rounding, outer, thick)
+        return cls(turned_over(housing(face, outer, thickness)), rounding, outer, thickness)

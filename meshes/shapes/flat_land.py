@@ -75,9 +75,9 @@ class FlatLand:
         )
         check_length("seat", "edge_radius", edge, 2 * edge < width, all_round, width)
         check_length("seat", "land_height", self.land_height, self.land_height >= edge, must, edge)
-        wide = math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius
+        fits = math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius
         must = "must be at least land_outer_radius = {}"
-        check_length("seat", "outer_radius", self.outer_radius, wide, must, self.land_outer_radius)
+        check_length("seat", "outer_radius", self.outer_radius, fits, must, self.land_outer_radius)
 
     @classmethod
     def on(
@@ -110,22 +110,22 @@ class FlatLand:
         width = land_outer_radius - land_inner_radius
         partner = Partner(closure.outline)
         edge = 0.05 * width if edge_radius is None else edge_radius
-        raised = max(0.5 * width, edge) if land_height is None else land_height
+        rise = max(0.5 * width, edge) if land_height is None else land_height
         middle = 0.5 * (land_inner_radius + land_outer_radius)
         outer, high = partner.housing(middle, land_outer_radius, outer_radius, height)
         # the wall stands on the bottom, whatever the land's height
-        high = max(high, 2 * raised) if height is None else height
-        return cls(land_inner_radius, land_outer_radius, edge, raised, outer, high)
+        high = max(high, 2 * rise) if height is None else height
+        return cls(land_inner_radius, land_outer_radius, edge, rise, outer, high)
 
     @property
     def outline(self) -> Outline:
         """Section with the ring at z = 0."""
-        below = -self.land_height - self.land_outer_radius
+        bottom = -self.land_height - self.land_outer_radius
         corners = [
-            (self.land_inner_radius, below),
+            (self.land_inner_radius, bottom),
             (self.land_inner_radius, 0.0),
             (self.land_outer_radius, 0.0),
-            (self.land_outer_radius, below),
+            (self.land_outer_radius, bottom),
         ]
         face = chain(corners, "seat_face", self.edge_radius).without_first().without_last()
         start, end = face.segments[0].start, face.segments[-1].end

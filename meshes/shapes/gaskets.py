@@ -43,13 +43,13 @@ def half_section(face: Curve) -> Outline:
     2 mm^2
     """
     start, end = face.segments[0].start, face.segments[-1].end
-    around: list[tuple[Point, str]] = [
+    corners: list[tuple[Point, str]] = [
         (start, "seat_inner"),
         ((start[0], 0.0), "seat_bottom"),
         ((end[0], 0.0), "seat_outer"),
         (end, ""),
     ]
-    sides = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if a != b)
+    sides = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(corners) if a != b)
     return Outline("seat", (*face.reversed.segments, *sides))
 
 
@@ -78,8 +78,8 @@ class SolidRing:
 
     def __post_init__(self) -> None:
         check_positive("gasket", mean_radius=self.mean_radius, section_radius=self.section_radius)
-        thin, must = self.section_radius < self.mean_radius, "must be below mean_radius = {}"
-        check_length("gasket", "section_radius", self.section_radius, thin, must, self.mean_radius)
+        fits, must = self.section_radius < self.mean_radius, "must be below mean_radius = {}"
+        check_length("gasket", "section_radius", self.section_radius, fits, must, self.mean_radius)
 
     @property
     def outline(self) -> Outline:

@@ -58,10 +58,10 @@ class Land:
     @property
     def ends(self) -> tuple[Point, Point]:
         """Edges before rounding, at a height of its own [m]."""
-        one = self.shape
-        if isinstance(one, FlatLand):
-            return (one.land_inner_radius, 0.0), (one.land_outer_radius, 0.0)
-        return (one.bore_radius, 0.0), (one.land_end, one.land_width * math.sin(one.angle))
+        shape = self.shape
+        if isinstance(shape, FlatLand):
+            return (shape.land_inner_radius, 0.0), (shape.land_outer_radius, 0.0)
+        return (shape.bore_radius, 0.0), (shape.land_end, shape.land_width * math.sin(shape.angle))
 
 
 @dataclass(frozen=True)
@@ -136,18 +136,18 @@ class Lands:
             raise GeometryError(
                 f"seat lands: {len(lands)} given; at least 2 are needed, one alone is a seat of its own shape"
             )
-        ordered = tuple(sorted(lands, key=lambda one: one.ends[0][0]))
-        distances = [after.ends[0][0] - before.ends[1][0] for before, after in pairwise(ordered)]
-        for (before, after), distance in zip(pairwise(ordered), distances, strict=True):
-            room = _ROOM * max(before.shape.edge_radius, after.shape.edge_radius)
+        in_order = tuple(sorted(lands, key=lambda land: land.ends[0][0]))
+        distances = [outer.ends[0][0] - inner.ends[1][0] for inner, outer in pairwise(in_order)]
+        for (inner, outer), distance in zip(pairwise(in_order), distances, strict=True):
+            room = _ROOM * max(inner.shape.edge_radius, outer.shape.edge_radius)
             if not distance > room:
                 raise GeometryError(
-                    f"seat lands: one ends at r = {mm(before.ends[1][0])}, the next begins at {mm(after.ends[0][0])}; "
+                    f"seat lands: one ends at r = {mm(inner.ends[1][0])}, the next begins at {mm(outer.ends[0][0])}; "
                     f"the roundings need {mm(room)} between them: change a land_width or a radius"
                 )
-        partner, end = Partner(closure.outline), ordered[-1].ends[1][0]
+        partner, end = Partner(closure.outline), in_order[-1].ends[1][0]
         depth = _DEPTH * min(distances) if chamber_depth is None else chamber_depth
-        return cls(ordered, closure, depth, *partner.housing(end, 1.1 * end, outer_radius, height))
+        return cls(in_order, closure, depth, *partner.housing(end, 1.1 * end, outer_radius, height))
 
     @property
     def bore_radius(self) -> float:
@@ -175,7 +175,7 @@ class Lands:
             levels.append(drop - land.set_back)
         return tuple(
             ((start[0], start[1] + level - levels[0]), (end[0], end[1] + level - levels[0]))
-            for (start, end), level in zip((one.ends for one in self.lands), levels, strict=True)
+            for (start, end), level in zip((land.ends for land in self.lands), levels, strict=True)
         )
 
     @property
@@ -191,32 +191,32 @@ class Lands:
                 radii += [0.0, 0.0]
             pieces += [(start, "seat_chamber" if number else "seat_face"), (end, "seat_face")]
             radii += [land.shape.edge_radius, land.shape.edge_radius]
-        raised = isinstance(last, FlatLand)
-        step = max(0.5 * (end_r - edges[-1][0][0]), last.edge_radius) if raised else 0.0
+        is_flat = isinstance(last, FlatLand)
+        step = max(0.5 * (end_r - edges[-1][0][0]), last.edge_radius) if is_flat else 0.0
         pieces.append(
-            ((end_r, end_z - self.outer_radius) if raised else (self.outer_radius, end_z), "seat_face")
+            ((end_r, end_z - self.outer_radius) if is_flat else (self.outer_radius, end_z), "seat_face")
         )
-        chain = Curve(tuple(Segment(before, after, name) for (before, _), (after, name) in pairwise(pieces)))
+        chain = Curve(tuple(Segment(p, q, name) for (p, _), (q, name) in pairwise(pieces)))
         face = rounded(chain, lambda n: radii[n]).without_first()
-        if raised:
+        if is_flat:
             face = face.without_last()
-        face = Curve(tuple(replace(one, name=one.name or "seat_face") for one in face.segments))
+        face = Curve(tuple(replace(s, name=s.name or "seat_face") for s in face.segments))
         start = face.segments[0].start
         return housing(face, self.outer_radius, self.height + start[1], step)
 
     def _groove(self, end: Point, start: Point) -> list[Point]:
         """Corners of the bottom of the chamber between the end of a land and the start of the next."""
-        length, along = math.dist(end, start), math.atan2(start[1] - end[1], start[0] - end[0])
+        length, slope = math.dist(end, start), math.atan2(start[1] - end[1], start[0] - end[0])
         # a face runs outwards all the way
-        falls, rises = max(along - _WALL, -_STEEPEST), min(along + _WALL, _STEEPEST)
-        before, after = (self.chamber_depth / math.sin(abs(wall - along)) for wall in (falls, rises))
-        used = before * math.cos(falls - along) + after * math.cos(rises - along)
+        falls, rises = max(slope - _WALL, -_STEEPEST), min(slope + _WALL, _STEEPEST)
+        fall, rise = (self.chamber_depth / math.sin(abs(wall - slope)) for wall in (falls, rises))
+        need = fall * math.cos(falls - slope) + rise * math.cos(rises - slope)
         must = (
             "the walls of the chamber meet before they are so deep; allowed is below {} between these lands"
         )
         depth = self.chamber_depth
-        check_length("seat", "chamber_depth", depth, used < length, must, depth * length / used)
+        check_length("seat", "chamber_depth", depth, need < length, must, depth * length / need)
         return [
-            (end[0] + before * math.cos(falls), end[1] + before * math.sin(falls)),
-            (start[0] - after * math.cos(rises), start[1] - after * math.sin(rises)),
+            (end[0] + fall * math.cos(falls), end[1] + fall * math.sin(falls)),
+            (start[0] - rise * math.cos(rises), start[1] - rise * math.sin(rises)),
         ]

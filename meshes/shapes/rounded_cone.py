@@ -87,10 +87,10 @@ class RoundedCone:
         height : float, optional
             The outer radius unless given [m].
         """
-        known = [r for r in (outer_radius, inner_radius, mean_radius) if r is not None]
-        if not 1 <= len(known) <= 2:
+        radii = [r for r in (outer_radius, inner_radius, mean_radius) if r is not None]
+        if not 1 <= len(radii) <= 2:
             raise GeometryError(
-                f"closure outer_radius, inner_radius and mean_radius: {len(known)} are given; one or two are needed"
+                f"closure outer_radius, inner_radius and mean_radius: {len(radii)} are given; one or two are needed"
             )
         if outer_radius is None:
             if mean_radius is not None:
@@ -103,8 +103,8 @@ class RoundedCone:
         check_angle("closure", "angle", angle)
         face = (outer_radius - inner_radius) / math.cos(angle)
         # the rounding takes edge_radius tan(angle/2) of the nose
-        fitting = 0.9 * inner_radius / math.tan(0.5 * angle)
-        edge = min(0.1 * face, fitting) if edge_radius is None else edge_radius
+        largest_edge = 0.9 * inner_radius / math.tan(0.5 * angle)
+        edge = min(0.1 * face, largest_edge) if edge_radius is None else edge_radius
         return cls(angle, inner_radius, outer_radius, edge, outer_radius if height is None else height)
 
     @property

@@ -152,8 +152,8 @@ def named_face(shape: Shape) -> NamedFace | None:
     >>> face.name, round(face.outer, 6)
     ('flat face', 0.019)
     """
-    found: NamedFace | None = getattr(shape, "named_face", None)
-    return found
+    face: NamedFace | None = getattr(shape, "named_face", None)
+    return face
 
 
 def straight_part(name: str, outline: Outline, angle: float) -> NamedFace:
@@ -173,7 +173,7 @@ def _incline(segment: Segment, angle: float) -> bool:
 
 
 def _part(name: str, segments: list[Segment]) -> NamedFace:
-    radii = [end[0] for one in segments for end in (one.start, one.end)]
+    radii = [end[0] for s in segments for end in (s.start, s.end)]
     return NamedFace(name, min(radii, default=0.0), max(radii, default=0.0))
 
 
@@ -204,15 +204,15 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
     'seat'
     """
     start, end = face.segments[0].start, face.segments[-1].end
-    wide, must = outer_radius >= end[0] * (1 - 1e-12), "the face reaches to {}, the housing must be wider"
-    check_length("seat", "outer_radius", outer_radius, wide, must, end[0])
+    fits, must = outer_radius >= end[0] * (1 - 1e-12), "the face reaches to {}, the housing must be wider"
+    check_length("seat", "outer_radius", outer_radius, fits, must, end[0])
     check_length("seat", "height", height, height > 0, "must be positive")
     bottom = start[1] - height
     top = end[1] - step
     lowest = min(top, *(p[1] for s in face.segments for p in (s.start, s.end)))
     must = "the face goes {} deep, the housing must be higher"
     check_length("seat", "height", height, bottom < lowest, must, start[1] - lowest)
-    around: list[tuple[Point, str]] = [
+    corners: list[tuple[Point, str]] = [
         (start, "seat_inner"),
         ((start[0], bottom), "seat_bottom"),
         ((outer_radius, bottom), "seat_wall"),
@@ -220,8 +220,8 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
         ((end[0], top), "seat_outer"),
         (end, ""),
     ]
-    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _are_distinct(a, b))
-    return Outline("seat", (*face.reversed.segments, *rest))
+    sides = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(corners) if _are_distinct(a, b))
+    return Outline("seat", (*face.reversed.segments, *sides))
 
 
 def plunger(face: Curve, height: float) -> Outline:
@@ -254,15 +254,15 @@ def plunger(face: Curve, height: float) -> Outline:
             f"closure height: the top would lie {mm(top - highest)} above the highest point of the face; the closure "
             "must be higher"
         )
-    around: list[tuple[Point, str]] = [
+    corners: list[tuple[Point, str]] = [
         (end, "closure_outer"),
         ((end[0], top), "closure_top"),
         ((0.0, top), "closure_axis"),
         ((0.0, start[1]), "closure_inner"),
         (start, ""),
     ]
-    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _are_distinct(a, b))
-    return Outline("closure", (*face.segments, *rest))
+    sides = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(corners) if _are_distinct(a, b))
+    return Outline("closure", (*face.segments, *sides))
 
 
 def _are_distinct(a: Point, b: Point) -> bool:

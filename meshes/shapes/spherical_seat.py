@@ -73,8 +73,8 @@ class SphericalSeat:
         widest = self.radius + self.centre_offset
         face, bore, lowest = self.face_radius, self.bore_radius, self.centre_offset
         must = "must lie between bore_radius = {} and {}, where the hollow face of radius {} stands upright"
-        inside = max(bore, lowest) < face < widest
-        check_length("seat", "face_radius", face, inside, must, bore, widest, self.radius)
+        fits = max(bore, lowest) < face < widest
+        check_length("seat", "face_radius", face, fits, must, bore, widest, self.radius)
         must = "must not be below {}, where the hollow face is lowest"
         check_length("seat", "bore_radius", bore, bore >= lowest, must, lowest)
         check_exceeds("seat", "outer_radius", self.outer_radius, self.face_radius, "face_radius =")
@@ -130,8 +130,8 @@ class SphericalSeat:
         face = min(face, steepest) if face_radius is None else face_radius
         bore = min(bore, 0.9 * face) if bore_radius is None else bore_radius
         edge = 0.05 * (face - bore) if edge_radius is None else edge_radius
-        around = partner.housing(touch, 1.1 * face, outer_radius, height)
-        seat = cls(radius, offset, bore, face, edge, *around)
+        outside = partner.housing(touch, 1.1 * face, outer_radius, height)
+        seat = cls(radius, offset, bore, face, edge, *outside)
         if contact_angle is not None:
             seat._check_touch(partner, touch, f"seat contact_angle = {math.degrees(contact_angle):.6g} deg")
         return seat

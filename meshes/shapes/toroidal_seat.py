@@ -72,9 +72,9 @@ class ToroidalSeat:
         )
         lowest = self.centre_radius - self.radius
         bore, centre = self.bore_radius, self.centre_radius
-        inside = lowest * (1 - 1e-12) <= bore < centre
+        fits = lowest * (1 - 1e-12) <= bore < centre
         must = "must lie between {}, the innermost circle of the ring, and its centre_radius = {}"
-        check_length("seat", "bore_radius", bore, inside, must, max(lowest, 0), centre)
+        check_length("seat", "bore_radius", bore, fits, must, max(lowest, 0), centre)
         must = "must be at least 0 and below the radius of the ring, {}"
         check_length("seat", "recess", self.recess, 0 <= self.recess < self.radius, must, self.radius)
         check_exceeds("seat", "outer_radius", self.outer_radius, self.ring_end, "the outer end of the ring,")
@@ -110,8 +110,8 @@ class ToroidalSeat:
         depth = radius / 2 if recess is None else recess
         end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))
         bore = max(centre_radius - radius, centre_radius / 2) if bore_radius is None else bore_radius
-        around = partner.housing(end, 1.1 * end, outer_radius, height)
-        return cls(centre_radius, radius, bore, depth, *around)
+        outside = partner.housing(end, 1.1 * end, outer_radius, height)
+        return cls(centre_radius, radius, bore, depth, *outside)
 
     @property
     def ring_end(self) -> float:
@@ -122,12 +122,12 @@ class ToroidalSeat:
     def outline(self) -> Outline:
         """Section with the crest of the ring at z = 0."""
         centre, crest = (self.centre_radius, -self.radius), (self.centre_radius, 0.0)
-        inside = min(self.centre_radius - self.bore_radius, self.radius)
-        inner = (self.centre_radius - inside, math.sqrt(self.radius**2 - inside**2) - self.radius)
+        reach = min(self.centre_radius - self.bore_radius, self.radius)
+        inner = (self.centre_radius - reach, math.sqrt(self.radius**2 - reach**2) - self.radius)
         arc, depth = Segment(inner, crest, "seat_face", centre), self.recess
         end, bend = ((self.ring_end, -depth), centre) if depth > 0 else ((self.outer_radius, 0.0), None)
-        outside = Segment(crest, end, "seat_face", bend)
-        return housing(Curve((arc, outside)), self.outer_radius, self.height)
+        slope = Segment(crest, end, "seat_face", bend)
+        return housing(Curve((arc, slope)), self.outer_radius, self.height)
 
     @property
     def named_face(self) -> NamedFace:
