@@ -15,20 +15,20 @@ from fem_seal import load_case
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.seal.circumference import Circumference, around
-from fem_seal.seal.problem import SealProblem, condensed, expected_forces, sizing
+from fem_seal.seal.circumference import Circumference, solve_around
+from fem_seal.seal.problem import SealProblem, condense_bodies, expected_forces, size_mesh
 from meshes import build_contact
 
 
 def mean_contact(problem: SealProblem) -> ContactSolution:
     """The round seal under the load of a case."""
-    model = condensed(problem, build_contact(problem.contact, sizing(problem)))
+    model = condense_bodies(problem, build_contact(problem.contact, size_mesh(problem)))
     return solve(model, problem.law, contact_force=expected_forces(problem)[-1])
 
 
 def line_load(problem: SealProblem) -> Circumference:
     """The seal as it is."""
-    return around(problem.form, LocalContact(mean_contact(problem), problem.law))
+    return solve_around(problem.form, LocalContact(mean_contact(problem), problem.law))
 
 
 if __name__ == "__main__":

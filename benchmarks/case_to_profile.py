@@ -20,13 +20,13 @@ from fem_seal import Case, load_case
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.seal.problem import SealProblem, expected_forces, sizing
+from fem_seal.seal.problem import SealProblem, expected_forces, size_mesh
 from meshes import SealMesh, build_contact
 
 
 def mesh_of(case: Case, contact_size: float = 0.0) -> SealMesh:
     """Mesh of a case, with elements along the contact line coarser than [mesh] contact_size would allow."""
-    sizes = sizing(SealProblem.of(case))
+    sizes = size_mesh(SealProblem.of(case))
     return build_contact(case.contact, replace(sizes, contact_size=contact_size or sizes.contact_size))
 
 

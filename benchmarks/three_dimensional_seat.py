@@ -32,8 +32,8 @@ from scipy.interpolate import CubicSpline
 
 import fem_seal
 from fem_seal.contact.local_contact import LocalContact
-from fem_seal.seal.circumference import Circumference, around
-from fem_seal.seal.problem import SealProblem, expected_forces, sizing
+from fem_seal.seal.circumference import Circumference, solve_around
+from fem_seal.seal.problem import SealProblem, expected_forces, size_mesh
 from meshes import SealMesh, build_contact
 
 HERE = Path(__file__).resolve().parent
@@ -89,7 +89,7 @@ class Solid:
     def section(self, problem: SealProblem) -> SealMesh:
         """The triangles that are joined and turned about the axis."""
         sizes = replace(
-            sizing(problem),
+            size_mesh(problem),
             contact_size=self.contact_size,
             growth_along=self.growth,
             growth_deep=self.growth,
@@ -247,12 +247,12 @@ def run_fem_seal(
         mean = mean_contact(problem)
         time_solved = time.process_time()
         local = LocalContact(mean, problem.law)
-        around(problem.form, local)
+        solve_around(problem.form, local)
         time_prepared = time.process_time()
-        around(problem.form.scaled(0.9), local)
+        solve_around(problem.form.scaled(0.9), local)
         steps.append((time_solved - start, time_prepared - time_solved, time.process_time() - time_prepared))
     forms = {amplitude: SealProblem.of(case_of(amplitude, folder)[0]).form for amplitude in amplitudes}
-    circumferences = {amplitude: around(form, local) for amplitude, form in forms.items()}
+    circumferences = {amplitude: solve_around(form, local) for amplitude, form in forms.items()}
     return circumferences, process, Warm(*(min(times) for times in zip(*steps, strict=True)))
 
 

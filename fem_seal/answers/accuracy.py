@@ -18,7 +18,7 @@ from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.profile import tightest_profile
 from fem_seal.seal.load_result import DiscretisationError, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
-from fem_seal.seal.problem import SealProblem, condensed, larger_housing
+from fem_seal.seal.problem import SealProblem, condense_bodies, larger_housing
 from leak import LeakResult
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
@@ -120,7 +120,7 @@ def on_coarser_mesh(problem: SealProblem, sizing: Sizing, number: int) -> Coarse
         Which of the loads.
     """
     mesh = build_contact(problem.contact, sizing.refined(1 / COARSER))
-    solver = LoadSolver(problem, condensed(problem, mesh))
+    solver = LoadSolver(problem, condense_bodies(problem, mesh))
     return CoarserLoad(solver, mesh, number, solve_load(solver, number, steps=_STEPS // COARSER))
 
 
@@ -142,7 +142,7 @@ def discretisation_error(
     if ready:
         # a ready mesh cannot be made coarser, but finer
         fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
-        solver = LoadSolver(problem, condensed(problem, fine_mesh))
+        solver = LoadSolver(problem, condense_bodies(problem, fine_mesh))
         fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
         coarse = coarser.compare("coarser", result)
     # Load steps of implicit Euler are of first order; elements of second at least.
@@ -196,13 +196,13 @@ def _variations(
             wider = replace(problem, contact=larger)
             yield (
                 "a housing twice as wide and high",
-                lambda: condensed(wider, build_contact(larger, mesh.sizing, mesh), known),
+                lambda: condense_bodies(wider, build_contact(larger, mesh.sizing, mesh), known),
             )
     free = problem.supports.wall == "free"
     other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
     yield (
         "holding its wall" if free else "leaving its wall free",
-        lambda: condensed(other, mesh, known),
+        lambda: condense_bodies(other, mesh, known),
     )
 
 

@@ -42,7 +42,7 @@ from fem_seal.errors import InputError, SealError
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.evaluate import SILENT, evaluate_seal
 from fem_seal.seal.findings import Bounds
-from fem_seal.seal.heating import warmed
+from fem_seal.seal.heating import with_contact_temperatures
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem, problems_of
 from fem_seal.seal.scenarios import TEST_GAS, with_own_contacts
@@ -228,7 +228,7 @@ def _group(
     InputError
         If a draw is blown open or no polynomial can be found.
     """
-    case = warmed(case)
+    case = with_contact_temperatures(case)
     evaluations = evaluate_seal(problems_of(case), clock=Clock(progress))
     seal = SolvedSeal.of(evaluations, case, loads_of(evaluations))
     leaks = [[one.leak for one in (load, *load.others.values())] for load in seal.loads]
@@ -426,7 +426,7 @@ def calibrate(
 def _judge(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -> SealSolution:
     """The loads of a case with the interval that a test has left of each, and what is said of its requirement."""
     progress("verdict after the test")
-    case = warmed(case)
+    case = with_contact_temperatures(case)
     found = evaluate_seal(problems_of(case))
     seal = answer_parts(
         SolvedSeal.of(found, case, loads_of(found)), Request(found[0].solver, SILENT), [ACCURACY, OPENING]
@@ -574,7 +574,7 @@ def _alternatives(
     }
     others: list[tuple[str, dict[str, Any]]] = [
         (scenario.name, {"leak.theory": scenario.name})
-        for scenario in with_own_contacts(SealProblem.of(warmed(case)))
+        for scenario in with_own_contacts(SealProblem.of(with_contact_temperatures(case)))
     ]
     if any(one.case.load.earlier is not None for one in readings):
         others.append(

@@ -34,7 +34,7 @@ from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
 from fem_seal.seal.evaluate import evaluate_seal
 from fem_seal.seal.findings import not_calculated
-from fem_seal.seal.heating import warmed
+from fem_seal.seal.heating import with_contact_temperatures
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
@@ -178,7 +178,7 @@ def _answer_all(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any
 def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
-        case = warmed(case) if case.conducts_heat else case
+        case = with_contact_temperatures(case) if case.conducts_heat else case
         problems = problems_of(case)
         whole = problems[0]
         _ = whole.law  # made once for each surface, and here, where it is timed

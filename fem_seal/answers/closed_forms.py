@@ -33,7 +33,7 @@ from fem_seal.loads import (
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.findings import not_calculated, sentence
-from fem_seal.seal.problem import SealProblem, exponential_law, problems_of, sizing
+from fem_seal.seal.problem import SealProblem, exponential_law, problems_of, size_mesh
 from fem_seal.units import fixed_quantity, fixed_unit, short_quantity
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
@@ -503,5 +503,5 @@ def _with_curve(problem: SealProblem, name: str, material: Material, limit: floa
 
 
 def _seconds(problem: SealProblem) -> float:
-    elements = len(sizing(problem).contact_vertices(problem.contact.breaks)) - 1
+    elements = len(size_mesh(problem).contact_vertices(problem.contact.breaks)) - 1
     return path_seconds(elements, len(problem.loads.points))

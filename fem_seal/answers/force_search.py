@@ -20,7 +20,7 @@ from fem_seal.errors import ConvergenceError, SealError
 from fem_seal.loads import contact_force
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver, Progress
-from fem_seal.seal.problem import SealProblem, largest_force, sizing
+from fem_seal.seal.problem import SealProblem, largest_force, size_mesh
 from leak.numerics.roots import root_between
 from meshes import MeshingError
 
@@ -202,15 +202,15 @@ class Trials:
     def _solved(self, force: float) -> tuple[CaseLoad, ...]:
         pressure, unreached = self.fluid_pressure, self.path_error
         if unreached is not None:
-            reached = [one.reached(pressure) for one in self.solvers]
+            reached = [one.highest_force(pressure) for one in self.solvers]
             if force > min((one for one in reached if one is not None), default=math.inf):
                 raise unreached
         nothing = (None,) * len(self.solvers)
         starts = next((one for one in reversed(self.outcomes.values()) if isinstance(one, tuple)), nothing)
-        applied = force - self.solvers[0].closes(pressure)
+        applied = force - self.solvers[0].fluid_force(pressure)
         return tuple(
             CaseLoad.of(
-                one.load_at_contact_force(pressure, applied + one.closes(pressure), start, self.progress)
+                one.load_at_contact_force(pressure, applied + one.fluid_force(pressure), start, self.progress)
             )
             for one, start in zip(self.solvers, starts, strict=True)
         )
@@ -276,7 +276,7 @@ def search_forces(
     fit_meshes(
         {
             n: MeshFit.begin(
-                sizing(problem, sized_for), problem.contact, size_given=problem.contact_size is not None
+                size_mesh(problem, sized_for), problem.contact, size_given=problem.contact_size is not None
             )
             for n, problem in enumerate(problems)
         },

@@ -16,7 +16,7 @@ from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
 from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
-from fem_seal.seal.circumference import Circumference, LeakCurve, around_after
+from fem_seal.seal.circumference import Circumference, LeakCurve, solve_both_around
 from fem_seal.seal.load_solver import LoadSolver
 from leak import Scratch, deepest_scratch
 
@@ -232,7 +232,7 @@ class _FormLoad:
 
     def with_form(self, form: FormError) -> Circumference:
         before = None if self.circumference.before is None else self.circumference.before.local
-        circumference = around_after(form, self.circumference.local, before)
+        circumference = solve_both_around(form, self.circumference.local, before)
         return circumference if self.leaks is None else circumference.with_leak(self.leaks)
 
     def curve(self) -> list[FormPoint]:

@@ -16,7 +16,7 @@ from fem_seal.contact.penetration import effective_radius
 from fem_seal.loads import PressureSide, blow_off_of_sealed_area
 from fem_seal.seal.load_result import OpeningMargin
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import SealProblem, sizing
+from fem_seal.seal.problem import SealProblem, size_mesh
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     if problem.on_sealed_area or not forces:
         radius, side = problem.initial_contact_radius, problem.loads.pressure_side
         return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
-    solver = LoadSolver.on_mesh(problem, sizing(problem, forces))
+    solver = LoadSolver.on_mesh(problem, size_mesh(problem, forces))
     known = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied)}
     return np.array([known[force] for force in applied])
 

@@ -56,7 +56,7 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in missing),
             file=problem.file,
         )
-    if problem.loads.before:
+    if problem.loads.preparation:
         raise InputError.at(
             "load.largest_earlier_force or load.largest_earlier_pressure",
             "the contact of that load is not solved for profiles that come from elsewhere; remove it",

@@ -279,7 +279,7 @@ class _ChangedSeal:
         points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._order(problems[0]))
         # bolts keep the force that they have at this load
         loads = replace(problems[0].loads, points=points, refused={}, target_leak_rate=None)
-        return under_loads(problems, replace(loads, solved=True, tightened=()))
+        return under_loads(problems, replace(loads, bolts_solved=True, tightened=()))
 
     def _order(self, problem: SealProblem) -> tuple[int, ...]:
         """Numbers of the loads that are solved, those in question at the end.

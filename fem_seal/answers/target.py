@@ -310,7 +310,7 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
     problems, none = seal.problems, [None] * len(seal.loads)
     if seal.problem.loads.bolts is not None:
         # each force is looked for with its own preload before it
-        problems = under_loads(problems, seal.problem.loads.loose)
+        problems = under_loads(problems, seal.problem.loads.with_loose_bolts)
     try:
         found = contacts_at_target(problems, scenario=scenario)
     except InputError as error:

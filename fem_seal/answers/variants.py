@@ -13,10 +13,10 @@ from fem_seal.seal.load_result import highest_load, load_results, strongest_load
 from fem_seal.seal.load_solver import (
     LoadSolver,
     SolvedLoads,
-    linearised_again,
+    solve_again,
+    solve_linearised,
     solve_load,
     solve_loads,
-    solved_again,
 )
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS, with_own_contacts
@@ -51,7 +51,7 @@ def loads_in(problem: SealProblem, seal: SolvedSeal) -> list[CaseLoad | None]:
     """
     numbers = list(range(len(seal.loads)))
     if problem.follows_path:
-        solved = SolvedLoads(linearised_again(seal.contact, problem.law))
+        solved = SolvedLoads(solve_linearised(seal.contact, problem.law))
     else:
         solver = LoadSolver(problem, seal.model)
         asked = solver.pressings()
@@ -144,7 +144,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
             if solver.yields:
                 contact = solve_load(replace(solver, problem=changed), strongest)
             else:
-                (contact,) = solved_again([contact], solver.model, changed.law)
+                (contact,) = solve_again([contact], solver.model, changed.law)
             around = changed.circumference(contact)
             bare = load_results(changed, [load.point], [contact], [around], alike=shown)
             (told,) = case_loads(changed, bare)

@@ -432,8 +432,8 @@ def _with_validity(problem: SealProblem, load: CaseLoad) -> CaseLoad:
 
 def _begins(problem: SealProblem) -> str:
     """What every force meets that is tried, where loads leave something behind."""
-    if problem.loads.before:
-        return f"after {problem.loads.before}"
+    if problem.loads.preparation:
+        return f"after {problem.loads.preparation}"
     return sentence("verdict_force", "on_new") if problem.follows_path else ""
 
 

@@ -237,9 +237,9 @@ def check(
     )
     from fem_seal.output.answers.verdict import requirement_lines
     from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
-    from fem_seal.seal.heating import warmed
+    from fem_seal.seal.heating import with_contact_temperatures
 
-    case = warmed(terminal.case_of_command(case_file))
+    case = with_contact_temperatures(terminal.case_of_command(case_file))
     image = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section
@@ -248,10 +248,10 @@ def check(
     derivation = derive(case)
     numbers = derived_numbers(case, derivation)
     from fem_seal.seal.cost import about
-    from fem_seal.seal.problem import SealProblem, sizing
+    from fem_seal.seal.problem import SealProblem, size_mesh
 
     problem = SealProblem.of(case)
-    numbers["contact_size_m"] = sizing(problem).contact_size
+    numbers["contact_size_m"] = size_mesh(problem).contact_size
     numbers["requirement"] = requirement_numbers(case)
     numbers["run_time_s"] = run_seconds(
         problem, sampled=case.sampled is not None, target=case.load.target_leak_rate is not None

@@ -20,7 +20,7 @@ from fem_seal.answers.verdict import VERDICT
 from fem_seal.explore.screen import Screen, screen_of, shown_load
 from fem_seal.seal.cost import load_seconds
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate_seal
-from fem_seal.seal.heating import warmed
+from fem_seal.seal.heating import with_contact_temperatures
 from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
@@ -49,7 +49,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     design : mapping
         From keys of factors to texts.
     """
-    case = warmed(case)
+    case = with_contact_temperatures(case)
     problems = problems_of(case)
     whole, numbers = problems[0], live_loads(problems[0])
     evaluations, count = solve_live_loads(case, problems, numbers)

@@ -148,7 +148,7 @@ class Column:
     def value(self, load: AnyLoad) -> float | None:
         """Number of a load in SI, None where nothing was calculated."""
         if isinstance(load, MissingLoad):
-            return load.given.get(self.name)
+            return load.column_values.get(self.name)
         return (
             _OF[self.name](load) if self.name in _OF else _follow(self.of or split_unit(self.name)[0], load)
         )

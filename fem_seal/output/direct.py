@@ -66,7 +66,7 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
         },
         **{f"theory_effective_gap_{one}_m": nan if theory is None else theory.gap[one] for one in readings},
         **{
-            f"theory_conductivity_ratio_all_waves_{one}": nan if theory is None else theory.cut(one)
+            f"theory_conductivity_ratio_all_waves_{one}": nan if theory is None else theory.cutoff_factor(one)
             for one in readings
         },
     }
@@ -139,7 +139,7 @@ def direct_lines(table: DirectTable) -> list[str]:
     own, *further = READINGS["paper"]
     readings = [own] if len(simulation.surface.readings) == 1 else [*further, own]
     for reading in readings:
-        cuts = [cut for one in theory if math.isfinite(cut := one.cut(reading))]
+        cuts = [cut for one in theory if math.isfinite(cut := one.cutoff_factor(reading))]
         if cuts:
             key = reading if len(readings) > 1 else Reading.ELASTIC
             lines.append(phrase("direct.cost", key, low=min(cuts), high=max(cuts)))

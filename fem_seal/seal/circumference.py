@@ -42,12 +42,12 @@ _OF_TWO = 0.2
 _POWER = 0.25
 # Else, and where places are sealed: between line loads with these steps in ln f, the coarse one far below the mean,
 # where the surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
-_STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
+_STEP, _COARSE_STEP, _FINE, _EXTRA_RUNGS = 0.125, 2.0, 48, 2
 # What is left of a leak rate after a larger load is interpolated between line loads with these steps in ln f; less than
 # so much of it is none.
-_LATTICE, _SHUT = 0.25, 1e-30
+_LATTICE, _NO_FLOW = 0.25, 1e-30
 # What counts as no line load, and as an even one, in ln f over the mean.
-_NOTHING, _EVEN = -500.0, 1e-12
+_NO_LOAD, _EVEN = -500.0, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,8 +201,8 @@ class LeakCurve:
 
     local: LocalContact
     flow: ProfileLeak
-    _known: dict[float, LeakResult] = field(default_factory=dict, repr=False)
-    _later: dict[tuple[float, float], LeakResult] = field(default_factory=dict, repr=False)
+    _flows: dict[float, LeakResult] = field(default_factory=dict, repr=False)
+    _flows_after_load: dict[tuple[float, float], LeakResult] = field(default_factory=dict, repr=False)
 
     def leak_rates(
         self, line_load: FloatArray, before: Circumference | None = None
@@ -216,13 +216,13 @@ class LeakCurve:
         before : Circumference, optional
             Under the largest load before, at the same angles; always the same mean line load.
         """
-        first, most = self._of_new_faces(line_load)
+        first, most = self._rates_of_new_faces(line_load)
         if before is None:
             return first, most
-        share, most = self._left(line_load, before)
+        share, most = self._remaining_share(line_load, before)
         return first * share, most
 
-    def _left(self, line_load: FloatArray, before: Circumference) -> tuple[FloatArray, LeakResult]:
+    def _remaining_share(self, line_load: FloatArray, before: Circumference) -> tuple[FloatArray, LeakResult]:
         """What is left of the leak rate of first loading at each angle, and the flow where most leaks.
 
         It is a smooth function of the line loads now and before, interpolated on a lattice in both logarithms.
@@ -237,82 +237,82 @@ class LeakCurve:
             step = np.array(corner)[:, None]
             weight = np.prod(np.where(step == 1.0, v - below, 1.0 - (v - below)), axis=0)
             places, which = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
-            found = [self._at_both(float(now), float(then), before.local) for now, then in places.T]
-            firsts = [self._at(float(now)).leak_rate for now in places[0]]
+            found = [self._flow_after_load(float(now), float(then), before.local) for now, then in places.T]
+            firsts = [self._flow_at(float(now)).leak_rate for now in places[0]]
             left = [
                 flow.leak_rate / first if first > 0 else 1.0
                 for flow, first in zip(found, firsts, strict=True)
             ]
-            log_share += weight * np.log(np.maximum(left, _SHUT))[which.ravel()]
+            log_share += weight * np.log(np.maximum(left, _NO_FLOW))[which.ravel()]
             flows += found
         return np.exp(log_share), max(flows, key=lambda flow: flow.leak_rate)
 
-    def _at_both(self, log_share: float, log_before: float, before: LocalContact) -> LeakResult:
-        if (log_share, log_before) not in self._later:
+    def _flow_after_load(self, log_share: float, log_before: float, before: LocalContact) -> LeakResult:
+        if (log_share, log_before) not in self._flows_after_load:
             now, then = (
                 local.profile(local.mean.line_load * math.exp(v))
                 for local, v in ((self.local, log_share), (before, log_before))
             )
-            self._later[log_share, log_before] = self.flow.leak(now.after(then.pressure))
-        return self._later[log_share, log_before]
+            self._flows_after_load[log_share, log_before] = self.flow.leak(now.after(then.pressure))
+        return self._flows_after_load[log_share, log_before]
 
-    def _of_new_faces(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
+    def _rates_of_new_faces(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
         mean = self.local.mean.line_load
         with np.errstate(divide="ignore"):
-            v = np.maximum(np.log(line_load / mean), _NOTHING)
+            v = np.maximum(np.log(line_load / mean), _NO_LOAD)
         if np.ptp(v) < _EVEN:
-            flow = self._at(float(v[0]))
+            flow = self._flow_at(float(v[0]))
             return np.full(len(v), flow.leak_rate), flow
         lowest, highest = float(v.min()), float(v.max())
         rounded = _ENDS * math.floor(lowest / _ENDS), _ENDS * math.ceil(highest / _ENDS)
         # rounded ranges are those of other forms as well, but may reach to where it is sealed
         for low, high in (rounded, (lowest, highest)):
-            found = self._smooth(low, high, v)
+            found = self._polynomial_rates(low, high, v)
             if found is not None:
-                return found, self._at(low)
+                return found, self._flow_at(low)
         rungs = _rungs(float(v.min()), float(v.max()))
-        flows = self._of(rungs)
+        flows = self._flows_at(rungs)
         rates = np.array([flow.leak_rate for flow in flows])
-        return _between(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
+        return _interpolate_rates(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
 
-    def _smooth(self, low: float, high: float, v: FloatArray) -> FloatArray | None:
+    def _polynomial_rates(self, low: float, high: float, v: FloatArray) -> FloatArray | None:
         """Leak rates at v by a polynomial in a range of ln f; None if there is none that is good enough.
 
         What is interpolated is the leak rate, or next to sealing its ratio to sigma_eff at the highest pressure, which
         knows where it would be sealed.
         """
-        if high - low > _WIDEST or not self._at(high).leak_rate > 0:
+        if high - low > _WIDEST or not self._flow_at(high).leak_rate > 0:
             return None
         first, last, at = (np.exp(_POWER * one) for one in (low, high, v))
         for parts in _PARTS:
             places = first + (last - first) * np.array(_shares(parts))
             rungs = np.array([low, *np.log(places[1:-1]) / _POWER, high])
-            log_rates = np.log([flow.leak_rate for flow in self._of(rungs.tolist())])
+            log_rates = np.log([flow.leak_rate for flow in self._flows_at(rungs.tolist())])
             off, found = _polynomials(places, log_rates, at)
             if off < _AGREE:
                 return found
-            at_rungs, at_v = self._at_peak(rungs), self._at_peak(v)
+            at_rungs, at_v = self._log_conductivity(rungs), self._log_conductivity(v)
             if np.isfinite(at_rungs).all():
                 off, found = _polynomials(places, log_rates - at_rungs, at, at_v)
                 if off < _AGREE_OF_RATIO:
                     return found
         return None
 
-    def _at_peak(self, v: FloatArray) -> FloatArray:
+    def _log_conductivity(self, v: FloatArray) -> FloatArray:
         """ln of sigma_eff at the highest pressure, at line loads in ln f over the mean."""
         peak = self.local.peak_pressure(self.local.mean.line_load * np.exp(v))
         with np.errstate(divide="ignore"):
             return np.log(self.flow.conductivity(peak))
 
-    def _at(self, log_share: float) -> LeakResult:
-        return self._of([log_share])[0]
+    def _flow_at(self, log_share: float) -> LeakResult:
+        return self._flows_at([log_share])[0]
 
-    def _of(self, log_shares: Sequence[float]) -> list[LeakResult]:
+    def _flows_at(self, log_shares: Sequence[float]) -> list[LeakResult]:
         """Flows at line loads, in ln f over the mean."""
-        new = [v for v in log_shares if v not in self._known]
+        new = [v for v in log_shares if v not in self._flows]
         profiles = self.local.profiles([self.local.mean.line_load * math.exp(v) for v in new])
-        self._known.update(zip(new, map(self.flow.leak, profiles), strict=True))
-        return [self._known[v] for v in log_shares]
+        self._flows.update(zip(new, map(self.flow.leak, profiles), strict=True))
+        return [self._flows[v] for v in log_shares]
 
 
 def _polynomials(
@@ -334,13 +334,13 @@ def _shares(parts: int) -> list[float]:
 
 def _rungs(lowest: float, highest: float) -> list[float]:
     """Places in ln f over the mean, the same whatever the range, some of them beyond it."""
-    top = math.ceil(highest / _STEP) + _BEYOND
-    fine = [_STEP * k for k in range(max(math.floor(lowest / _STEP), -_FINE) - _BEYOND, top + 1)]
-    below = math.floor((fine[0] - lowest) / _COARSE_STEP) + _BEYOND if lowest < fine[0] else 0
+    top = math.ceil(highest / _STEP) + _EXTRA_RUNGS
+    fine = [_STEP * k for k in range(max(math.floor(lowest / _STEP), -_FINE) - _EXTRA_RUNGS, top + 1)]
+    below = math.floor((fine[0] - lowest) / _COARSE_STEP) + _EXTRA_RUNGS if lowest < fine[0] else 0
     return [fine[0] - _COARSE_STEP * k for k in range(below, 0, -1)] + fine
 
 
-def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
+def _interpolate_rates(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
     """Leak rates interpolated over ln f; nothing from where they are sealed."""
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -354,10 +354,10 @@ def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
         return np.where(v <= last, np.exp(curve(np.minimum(v, last))), 0.0)
 
 
-def around_after(
+def solve_both_around(
     form: FormError, local: LocalContact, before: LocalContact | None, near: Circumference | None = None
 ) -> Circumference:
-    """`around`, and with it the same form under the largest load before.
+    """`solve_around`, and with it the same form under the largest load before.
 
     Parameters
     ----------
@@ -366,21 +366,21 @@ def around_after(
     before : LocalContact or None
         Under the larger load; None where none is known.
     near : Circumference, optional
-        See `around`.
+        See `solve_around`.
 
     Raises
     ------
     ConvergenceError
     """
-    found = around(form, local, near)
+    found = solve_around(form, local, near)
     if before is None:
         return found
     # the waves that fill a tolerance are not known beforehand
     near_before = near.before if near is not None and form.tolerance is None else None
-    return replace(found, before=around(found.form, before, near_before))
+    return replace(found, before=solve_around(found.form, before, near_before))
 
 
-def around(form: FormError, local: LocalContact, near: Circumference | None = None) -> Circumference:
+def solve_around(form: FormError, local: LocalContact, near: Circumference | None = None) -> Circumference:
     """Line load around the axis of a seal with a form error.
 
     Parameters
@@ -398,7 +398,7 @@ def around(form: FormError, local: LocalContact, near: Circumference | None = No
     """
     if form.tolerance is not None:
         return min(
-            (around(form.with_waves(number), local) for number in form.tolerance.candidates),
+            (solve_around(form.with_waves(number), local) for number in form.tolerance.candidates),
             key=lambda one: one.least_over_mean,
         )
     mean, repeats = local.mean, form.symmetry
@@ -411,7 +411,7 @@ def around(form: FormError, local: LocalContact, near: Circumference | None = No
             form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing
         )
     gap = form.gap(_angles(size) / repeats)
-    stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form), repeats, local.openings)
+    stiffening = Stiffening(mean.model, mean.pressure, _highest_harmonic(form), repeats, local.openings)
     f, approach = line_load_around(
         local,
         stiffening,
@@ -431,7 +431,7 @@ def around(form: FormError, local: LocalContact, near: Circumference | None = No
     return Circumference(form, local, _angles(size * repeats), gap, f, approach, bend)
 
 
-def _asked_of_bodies(form: FormError) -> int:
+def _highest_harmonic(form: FormError) -> int:
     """Highest harmonic of the line load to which the bodies' own answer is calculated."""
     total = sum(abs(one.amplitude) for one in form.felt)
     strong = max(one.waves for one in form.felt if abs(one.amplitude) > _STRONG * total)

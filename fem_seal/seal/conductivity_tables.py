@@ -39,7 +39,7 @@ _SPACING = 0.1
 # Conductivities, interpolation over the hardness included, are good to 4e-4 below 0.6 of the sealing pressure, to 3e-3
 # at 0.8, 1 % at 0.9 and 5 % at 0.95: so much of 24 random surfaces, a thirtieth of it in the median.
 _RANGE, _NODES = 1e-9, 50
-_REMEMBERED = 4096
+_CACHE_SIZE = 4096
 
 
 def family_law(surface: RoughContact) -> ScaledLaw:
@@ -74,20 +74,22 @@ def family_table(
         return None
     if tables is None:
         return _table_from(surface, flow.gas is not None)
-    return _between(surface, tuple(tables))
+    return _scale_table(surface, tuple(tables))
 
 
 @lru_cache(maxsize=64)
 def _table_from(surface: RoughContact, of_gas: bool) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    return _between(surface, tuple(map(_made, _names(_member(surface)[0], of_gas))))
+    return _scale_table(surface, tuple(map(_calculate_table, _names(_member(surface)[0], of_gas))))
 
 
-def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
+def _scale_table(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
     member, height, pressure = _member(surface)
-    table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
+    table = tables[0] if len(tables) == 1 else _interpolate_tables(tables, _on_lattice(member)[1])
     acts_at = (
-        None if member.equivalent_elastic_surface is None else partial(_acting, member, math.log(pressure))
+        None
+        if member.equivalent_elastic_surface is None
+        else partial(_equivalent_log_pressure, member, math.log(pressure))
     )
     return table.with_liquid(table.liquid.scaled(height, pressure, surface, acts_at))
 
@@ -103,7 +105,7 @@ def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, 
     return _names(_member(surface)[0], flow.gas is not None)
 
 
-def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
+def _equivalent_log_pressure(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
     """`RoughContact.log_equivalent_pressure` of a surface whose pressures are in a ratio to those of a member."""
     return member.log_equivalent_pressure(log_pressure - log_ratio) + log_ratio
 
@@ -140,19 +142,19 @@ class FamilyTable:
     of_gas: bool
     place: int | None = None
 
-    def made(self) -> Conductivity:
+    def calculate(self) -> Conductivity:
         """The table."""
-        return _made(self)
+        return _calculate_table(self)
 
 
-@lru_cache(maxsize=_REMEMBERED)
-def _made(name: FamilyTable) -> Conductivity:
+@lru_cache(maxsize=_CACHE_SIZE)
+def _calculate_table(key: FamilyTable) -> Conductivity:
     """Table over all pressures up to sealing, of a point of the lattice at fixed fractions of it."""
-    surface, num = name.surface, None
-    if name.place is not None:
-        surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * name.place)), _NODES
+    surface, num = key.surface, None
+    if key.place is not None:
+        surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * key.place)), _NODES
     sealing = surface.sealing_pressure
-    return calculated_table(surface, _RANGE * sealing, sealing, num, of_gas=name.of_gas)
+    return calculated_table(surface, _RANGE * sealing, sealing, num, of_gas=key.of_gas)
 
 
 @lru_cache(maxsize=64)
@@ -172,29 +174,29 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     )
 
 
-@lru_cache(maxsize=_REMEMBERED)
+@lru_cache(maxsize=_CACHE_SIZE)
 def _shape(spectrum: PowerSpectrum) -> PowerSpectrum:
     height = spectrum.rms_height / _HEIGHT
     density: FloatArray = np.power(10.0, np.round(np.log10(spectrum.density / height**2), _DIGITS))
-    return _known(PowerSpectrum(spectrum.wavenumber, density))
+    return _intern_spectrum(PowerSpectrum(spectrum.wavenumber, density))
 
 
-@lru_cache(maxsize=_REMEMBERED)
-def _known(spectrum: PowerSpectrum) -> PowerSpectrum:
-    """The same object for equal spectra, so that what it has worked out already is kept."""
+@lru_cache(maxsize=_CACHE_SIZE)
+def _intern_spectrum(spectrum: PowerSpectrum) -> PowerSpectrum:
+    """The same object for equal spectra, so that what it has worked out already stays."""
     return spectrum
 
 
-@lru_cache(maxsize=_REMEMBERED)
+@lru_cache(maxsize=_CACHE_SIZE)
 def _law(surface: RoughContact) -> InterfaceLaw:
     return surface.interface_law()
 
 
-def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
+def _interpolate_tables(tables: tuple[Conductivity, ...], t: float) -> Conductivity:
     """Table between four neighbours on the lattice, at `t` steps from the first one."""
     weights = lagrange(t)
-    of_gas = [one for one in found if isinstance(one, GasConductivityTable)]
-    liquid = _alike(found).combine(weights)
+    of_gas = [table for table in tables if isinstance(table, GasConductivityTable)]
+    liquid = _join_tables(tables).combine(weights)
     if not of_gas:
         return liquid
     log_R: FloatArray = np.zeros((len(liquid.pressure), of_gas[0].log_inverse_knudsen.size))
@@ -204,5 +206,5 @@ def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
 
 
 @lru_cache(maxsize=64)
-def _alike(found: tuple[Conductivity, ...]) -> AlikeTables:
-    return AlikeTables.of([one.liquid for one in found])
+def _join_tables(tables: tuple[Conductivity, ...]) -> AlikeTables:
+    return AlikeTables.of([table.liquid for table in tables])

@@ -144,7 +144,7 @@ class DirectSettings:
         found = DirectSimulation(surface, patch, settings, heights)
         if self.pressures:
             return found
-        held = found.held
+        held = found.patch_surface
         if settings.yield_stress is not None and held.hardness is None:
             held = replace(held, hardness=HARDNESS_OVER_YIELD_STRESS * settings.yield_stress)
         return replace(found, settings=replace(settings, pressures=usual_pressures(held)))
@@ -171,7 +171,7 @@ class DirectSettings:
         jobs, progress
             See `simulate_surface`.
         """
-        known = self._known
+        known = self._tables
         # the reading of asperities that yield is the theory's, not the simulation's
         of = surface.capped
         if of not in known:
@@ -179,7 +179,7 @@ class DirectSettings:
         return known[of]
 
     @cached_property
-    def _known(self) -> dict[RoughContact, DirectTable]:
+    def _tables(self) -> dict[RoughContact, DirectTable]:
         return {}
 
 
@@ -219,7 +219,7 @@ class DirectSimulation:
         return None if stress is None else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * stress
 
     @property
-    def held(self) -> RoughContact:
+    def patch_surface(self) -> RoughContact:
         """The surface with the waves that the patch holds, for the theory of the very same thing."""
         return replace(self.surface, spectrum=self.patch.grid_spectrum)
 
@@ -312,7 +312,7 @@ class DirectSimulation:
         if piece.branch == "cutoff":
             heights = smoothed(heights, self.patch.size, self.second_cutoff)
         if self.settings.yield_stress is not None:
-            yield from _path(self, piece, heights)
+            yield from _press_path(self, piece, heights)
             return
         if piece.branch == "unload":
             state = press(self.body, heights, max(self.settings.pressures), hardness=H)
@@ -332,7 +332,7 @@ class DirectSimulation:
         """The half-space under the patch."""
         return PeriodicHalfSpace(self.patch.points, self.patch.size, self.surface.effective_modulus)
 
-    def cubed(self, record: PieceRecord) -> float:
+    def gap_cubed(self, record: PieceRecord) -> float:
         """u_eff^3 in the direction of the flow [m^3]."""
         x, y = record.gap_cubed_along, record.gap_cubed_across
         return {"both": 0.5 * (x + y), "x": x, "y": y}[self.settings.direction or "both"]
@@ -498,7 +498,7 @@ class TheoryRow:
     gap: Mapping[Reading, float]
     whole: Mapping[Reading, float]
 
-    def cut(self, reading: Reading) -> float:
+    def cutoff_factor(self, reading: Reading) -> float:
         """Conductivity of the whole spectrum over that of the patch's waves in a reading [-]."""
         gap = self.gap[reading]
         return (self.whole[reading] / gap) ** 3 if gap > 0.0 else math.nan
@@ -524,7 +524,7 @@ class DirectTable:
     gap_density: FloatArray
     maps: Mapping[float, str] = field(default_factory=dict)
 
-    def pressed(self, pressure: float) -> PressedMap:
+    def press_sample(self, pressure: float) -> PressedMap:
         """The first sample at a pressure of first loading.
 
         Parameters
@@ -579,7 +579,7 @@ class DirectTable:
             # without its shorter waves the patch may be tight
             changes.append(-math.log(row.cutoff_ratio) if row.cutoff_ratio > 0.0 else math.inf)
         theory = row.theory
-        if theory is not None and (cut := theory.cut(Reading.CAPPED)) > 0.0:
+        if theory is not None and (cut := theory.cutoff_factor(Reading.CAPPED)) > 0.0:
             changes.append(math.log(cut))
         low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
         if self.simulation.settings.yield_stress is not None:
@@ -589,7 +589,7 @@ class DirectTable:
             step = 3.0 * math.log(before[-1].effective_gap / row.effective_gap)
             high = min(high, max(scatter, step + self.log_error(before[-1])[1]))
         elif math.isinf(high):
-            known = [] if theory is None else map(theory.cut, theory.gap)
+            known = [] if theory is None else map(theory.cutoff_factor, theory.gap)
             high = scatter + max([math.log(_UNKNOWN), *(math.log(one) for one in known if one > 1.0)])
         return low, high
 
@@ -645,7 +645,7 @@ class DirectTable:
         """
         from scipy.interpolate import PchipInterpolator
 
-        held = self.simulation.held.capped
+        held = self.simulation.patch_surface.capped
         theory = held.conductivity_table(p_min, p_max, num or _TABLE_PRESSURES)
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])
@@ -682,13 +682,13 @@ def simulate_surface(
     LeakError
         A pressure reaches the hardness, or a contact does not converge.
     """
-    return _together(
+    return _combine_records(
         simulation,
         work(simulation, simulation.pieces(), simulation.settings.folder, jobs=jobs, progress=progress),
     )
 
 
-def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
+def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
     assert simulation.settings.yield_stress is not None and simulation.load_step is not None
     state: ElastoplasticState | None = None
@@ -721,7 +721,7 @@ def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
     return PieceRecord(*numbers, tuple(quantiles.tolist()), tuple(counts.tolist()))
 
 
-def _together(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:
+def _combine_records(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:
     found = {
         state: record
         for piece, records in known.items()
@@ -749,7 +749,7 @@ def _row(
     cutoff: PieceRecord | None,
 ) -> DirectRow:
     area, gap = (np.array([getattr(one, name) for one in records]) for name in ("contact_area", "mean_gap"))
-    cubed = np.array([simulation.cubed(one) for one in records])
+    cubed = np.array([simulation.gap_cubed(one) for one in records])
     logs = np.log(cubed[cubed > 0.0])
     several, first = len(records) > 1, float(cubed[0])
     return DirectRow(
@@ -766,7 +766,7 @@ def _row(
         log_scatter=float(logs.std(ddof=1)) if logs.size > 1 else math.nan,
         blocked=int(np.count_nonzero(cubed == 0.0)),
         samples=len(records),
-        cutoff_ratio=simulation.cubed(cutoff) / first if cutoff is not None and first > 0.0 else math.nan,
+        cutoff_ratio=simulation.gap_cubed(cutoff) / first if cutoff is not None and first > 0.0 else math.nan,
         theory=None if cutoff is None else _theory(simulation, pressure),
         log_directions=_log_ratio(records[0].gap_cubed_along, records[0].gap_cubed_across),
     )
@@ -779,7 +779,7 @@ def _log_ratio(first: float, second: float) -> float:
 
 
 def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:
-    held, whole, readings = simulation.held, simulation.surface, READINGS["paper"]
+    held, whole, readings = simulation.patch_surface, simulation.surface, READINGS["paper"]
     return TheoryRow(
         contact_area=float(held.capped.contact_area(pressure)),
         mean_gap=float(held.capped.mean_separation(pressure)),

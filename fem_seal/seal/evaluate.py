@@ -22,7 +22,7 @@ from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongP
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
-from fem_seal.seal.problem import Loads, SealProblem, sizing
+from fem_seal.seal.problem import Loads, SealProblem, size_mesh
 from fem_seal.seal.sources import OWN_BODIES, NeighbourSource, Source
 from meshes import MeshingError, SealMesh
 
@@ -313,7 +313,7 @@ def _evaluate_on_own_meshes(
     def begin_fit(number: int) -> MeshFit:
         problem = problems[number]
         size_given = problem.contact_size is not None
-        return MeshFit.begin(sizing(problem), problem.contact, size_given=size_given)
+        return MeshFit.begin(size_mesh(problem), problem.contact, size_given=size_given)
 
     evaluations: dict[int, Evaluation] = {}
 

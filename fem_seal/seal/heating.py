@@ -128,7 +128,7 @@ def _check_curves(name: str, material: Material, temperature: FloatArray) -> Non
         ) from None
 
 
-def heating(case: CaseTables) -> Heating:
+def heating_of(case: CaseTables) -> Heating:
     """What warms the seal of a case whose temperatures are calculated.
 
     Parameters
@@ -141,7 +141,7 @@ def heating(case: CaseTables) -> Heating:
 
     faces = {name: Face(face.temperature, face.heat_transfer) for name, face in heat.faces.items()}
     return Heating(
-        Surroundings(faces, heat.contact_conductance, _touching(case)),
+        Surroundings(faces, heat.contact_conductance, _contact_reach(case)),
         heat.reference,
         heat.housing,
         heat.housing_expansion,
@@ -154,7 +154,7 @@ def _line_loads(case: CaseTables) -> list[float]:
     return [line_load(force, contact.initial_contact_radius, contact.angle) for force in closed]
 
 
-def _touching(case: CaseTables) -> tuple[float, float]:
+def _contact_reach(case: CaseTables) -> tuple[float, float]:
     """Arc lengths within which the bodies touch: two standard deviations of the pressure at the largest load.
 
     That is Hertz' half-width for hard contact. The resistance around so narrow a strip follows
@@ -167,7 +167,7 @@ def _touching(case: CaseTables) -> tuple[float, float]:
     return max(low, -2 * std), min(high, 2 * std)
 
 
-def warmed(case: AnyCase) -> AnyCase:
+def with_contact_temperatures(case: AnyCase) -> AnyCase:
     """A case with the numbers of materials and fluid at the temperatures of the contact, where these are calculated.
 
     Parameters
@@ -187,7 +187,7 @@ def warmed(case: AnyCase) -> AnyCase:
     sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus)
     try:
         with _at_temperature():
-            faces = heating(case).field(_mesh(case.contact, sizing), materials).faces
+            faces = heating_of(case).field(_mesh(case.contact, sizing), materials).faces
         return case.with_temperatures(faces["closure"], faces["seat"])
     except InputError as error:
         raise error.in_file(case.file) from None

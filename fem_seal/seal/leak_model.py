@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 # A/A0 where direct simulations of the flow end, and up to the percolation threshold how much further it may be open.
 DIRECT_END = 0.39
 # Rms heights between two rough faces that just touch: of a million summits one is higher.
-_APART = 5.0
+_TOUCH_DISTANCE = 5.0
 # Density of a liquid of which none is known [kg/m^3].
 _DENSITY = 1000.0
 # Decades between the highest pressure and the end of a table.
@@ -338,16 +338,16 @@ class FlowModel:
 
             given = self.chambers or (None,) * (len(lands) - 1)
             contacts = [
-                SeriesContact(partial(self._across, table, one) if one.touches else None, len(one.x))
+                SeriesContact(partial(self._leak_across, table, one) if one.touches else None, len(one.x))
                 for table, one in zip(tables, lands, strict=True)
             ]
             return self._of_all_faces(in_series(contacts, *ends, given))
-        return self._of_all_faces(self._across(tables[0], lands[0], *ends))
+        return self._of_all_faces(self._leak_across(tables[0], lands[0], *ends))
 
     def _of_all_faces(self, flow: LeakResult) -> LeakResult:
         return flow if self.faces == 1 else flow.scaled(self.faces * flow.leak_rate)
 
-    def _across(
+    def _leak_across(
         self, table: Conductivity, profile: PressureProfile, inner: float, outer: float
     ) -> LeakResult:
         """Leak of one land between pressures on its inner and its outer side, above the low side of the seal [Pa]."""
@@ -475,14 +475,14 @@ class _Tables:
 
     table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity]
     peaks: Sequence[float]
-    known: dict[Hashable, Conductivity] = field(default_factory=dict, repr=False)
+    tables: dict[Hashable, Conductivity] = field(default_factory=dict, repr=False)
 
     def __call__(self, flow: FlowModel, surface: RoughContact) -> Conductivity:
         # a table is that of all liquids, or of all gases
         name = surface, flow.simulated, flow.end, flow.gas is None
-        if name not in self.known:
-            self.known[name] = self.table(flow, surface, self.peaks)
-        return self.known[name]
+        if name not in self.tables:
+            self.tables[name] = self.table(flow, surface, self.peaks)
+        return self.tables[name]
 
 
 def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
@@ -601,7 +601,7 @@ class LeakModel:
         """
         if self.flow is None:
             return math.inf
-        apart, known = _APART * self.surface.spectrum.rms_height, []
+        apart, known = _TOUCH_DISTANCE * self.surface.spectrum.rms_height, []
         for one in profile.lands:
             gap = one.gap - one.gap.min() + apart
             if np.isfinite(gap).all():

@@ -406,7 +406,7 @@ class MissingLoad:
         return self.fluid_pressure, self.applied_force
 
     @property
-    def given(self) -> dict[str, float]:
+    def column_values(self) -> dict[str, float]:
         """What is known of it, by the names of columns."""
         force = "bolt_preload_N" if self.bolted else "applied_force_N"
         return {"fluid_pressure_Pa": self.fluid_pressure, force: self.applied_force}
@@ -461,7 +461,7 @@ def load_values(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
     return pressure if len(forces) == 1 else f"{pressure} with {format_quantity('force', load.applied_force)}"
 
 
-def different(loads: Sequence[LoadResult]) -> list[int]:
+def distinct_loads(loads: Sequence[LoadResult]) -> list[int]:
     """Numbers of the loads, the line load rising, without those to which elastic bodies come back exactly.
 
     Parameters
@@ -497,7 +497,7 @@ class LoadAxis:
         SI.
     names : tuple of str
         Of the loads, for a legend that is headed with `name`.
-    ordered : bool
+    order_matters : bool
         Whether the order of the loads matters, because a body remembers them.
     returns : bool
         Whether they come back to one that is not the same any more.
@@ -507,13 +507,13 @@ class LoadAxis:
     unit: Unit
     values: FloatArray
     names: tuple[str, ...]
-    ordered: bool
+    order_matters: bool
     returns: bool
 
     @property
     def order(self) -> str:
         """How a picture shows the order of the loads: "joined", "numbered", or empty if it does not matter."""
-        return ("numbered" if self.returns else "joined") if self.ordered else ""
+        return ("numbered" if self.returns else "joined") if self.order_matters else ""
 
     @property
     def label(self) -> str:
@@ -521,7 +521,7 @@ class LoadAxis:
         return f"{self.name}  [{self.unit.name}]"
 
     @property
-    def shown(self) -> FloatArray:
+    def numbers(self) -> FloatArray:
         """Values in the unit of the axis."""
         return self.values / self.unit.size
 

@@ -58,7 +58,7 @@ from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
 from fem_seal.seal.load_result import LoadResult, load_results
-from fem_seal.seal.problem import SealFlow, SealProblem, condensed
+from fem_seal.seal.problem import SealFlow, SealProblem, condense_bodies
 from fem_seal.units import format_value, short_quantity
 from meshes import Sizing, build_contact
 
@@ -89,7 +89,7 @@ class LoadSolver:
     @classmethod
     def on_mesh(cls, problem: SealProblem, wanted: Sizing) -> LoadSolver:
         """On a mesh made with these sizes."""
-        return cls(problem, condensed(problem, build_contact(problem.contact, wanted)))
+        return cls(problem, condense_bodies(problem, build_contact(problem.contact, wanted)))
 
     def solve(
         self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None
@@ -104,9 +104,9 @@ class LoadSolver:
             If these leave the seal open.
         ConvergenceError
         """
-        return self._solved(fluid_pressure, applied_force, start).after(self.earlier)
+        return self._solve_without_memory(fluid_pressure, applied_force, start).after(self.earlier)
 
-    def _solved(
+    def _solve_without_memory(
         self,
         fluid_pressure: float,
         applied_force: float,
@@ -116,7 +116,7 @@ class LoadSolver:
     ) -> ContactSolution:
         """`solve` without memory; as the first load of all, or after the largest one before those of the problem."""
         if fluid_pressure == 0.0 or self._on_sealed_area:
-            return self._sealed_area(applied_force + self.closes(fluid_pressure), start)
+            return self._solve_sealed_area(applied_force + self.fluid_force(fluid_pressure), start)
         seal = self._first_seal if first else self.seal
         try:
             return solve_penetration(
@@ -129,8 +129,8 @@ class LoadSolver:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
         if self.yields or not self._on_sealed_area or self.problem.loads.unsolved_bolts is not None:
             return {}
-        at_rest = self.problem.at_rest.on(self.model)
-        forces = [applied + self.closes(pressure) for pressure, applied in self.problem.loads.points]
+        at_rest = self.problem.at_rest.body_loads(self.model)
+        forces = [applied + self.fluid_force(pressure) for pressure, applied in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
             number: ContactProblem(self.model, self.problem.law, force, at_rest, self.settings)
@@ -146,7 +146,7 @@ class LoadSolver:
             raise pressed
         return pressed.after(self.earlier)
 
-    def held_by_bolts(self, number: int, bolts: Bolts) -> tuple[tuple[float, float], ContactSolution]:
+    def solve_bolts(self, number: int, bolts: Bolts) -> tuple[tuple[float, float], ContactSolution]:
         """Fluid pressure [Pa] and force of the bolts [N] under one of the problem's loads, and its contact.
 
         Parameters
@@ -186,7 +186,7 @@ class LoadSolver:
         if point is None:
             return None
         try:
-            return self._solved(*point, None, first=True)
+            return self._solve_without_memory(*point, None, first=True)
         except ConvergenceError as error:
             raise ConvergenceError(f"the largest earlier load: {error}") from error
 
@@ -217,8 +217,8 @@ class LoadSolver:
 
         With bolts the applied force is their preload.
         """
-        at_rest = self.problem.at_rest.on(self.model)
-        end_force = self.closes(fluid_pressure) if self._on_sealed_area else 0.0
+        at_rest = self.problem.at_rest.body_loads(self.model)
+        end_force = self.fluid_force(fluid_pressure) if self._on_sealed_area else 0.0
         held = None if bolts is None else TightenedBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
             return PathLoad(applied_force + end_force, at_rest, bolts=held)
@@ -233,7 +233,7 @@ class LoadSolver:
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
         """A fluid pressure [Pa], and the applied force of a contact under it [N]."""
         if self._on_sealed_area:
-            return fluid_pressure, contact.pressing_force - self.closes(fluid_pressure)
+            return fluid_pressure, contact.pressing_force - self.fluid_force(fluid_pressure)
         return fluid_pressure, contact.applied_force
 
     def at_contact_force(
@@ -259,15 +259,15 @@ class LoadSolver:
             If bodies that yield are open there.
         ConvergenceError
         """
-        preload = contact_force - self.closes(fluid_pressure)
+        preload = contact_force - self.fluid_force(fluid_pressure)
         if self.problem.loads.unsolved_bolts is not None and preload > 0.0:
-            return self._tightened(fluid_pressure, preload, progress)
+            return self._solve_tightened(fluid_pressure, preload, progress)
         if self.yields:
             return _end_of_path(
                 self, [(fluid_pressure, preload)], progress=progress, first=self.first_loading
             ), preload
         if self._on_sealed_area:
-            return self._sealed_area(contact_force, start).after(self.earlier), preload
+            return self._solve_sealed_area(contact_force, start).after(self.earlier), preload
         contact = solve_at_contact_force(
             self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
         ).after(self.earlier)
@@ -295,7 +295,7 @@ class LoadSolver:
         circumference = self.problem.circumference(contact, near=near)
         return load_results(self.problem, [(fluid_pressure, applied)], [contact], [circumference])[0]
 
-    def _tightened(
+    def _solve_tightened(
         self, fluid_pressure: float, preload: float, progress: Progress | None
     ) -> tuple[ContactSolution, float]:
         """Contact at a fluid pressure [Pa] after a preload of all bolts [N], and their force [N]."""
@@ -306,7 +306,7 @@ class LoadSolver:
         if not self.yields:
             bolts = loads.unsolved_bolts
             assert bolts is not None  # of all who ask
-            (_, force), contact = solver.held_by_bolts(0, bolts)
+            (_, force), contact = solver.solve_bolts(0, bolts)
             return contact, force
         end = _end_of_path(solver, [point], progress=progress, first=self.first_loading)
         return end, self.point_of(fluid_pressure, end)[1]
@@ -314,12 +314,12 @@ class LoadSolver:
     @cached_property
     def first_loading(self) -> FirstLoading:
         """Of bodies that yield, under one force each."""
-        return FirstLoading(self.model, self.problem.law, self.problem.at_rest.on(self.model))
+        return FirstLoading(self.model, self.problem.law, self.problem.at_rest.body_loads(self.model))
 
-    def reached(self, fluid_pressure: float) -> float | None:
+    def highest_force(self, fluid_pressure: float) -> float | None:
         """Largest force F_N of `at_contact_force` to which first loading came [N]; None if it is not asked there."""
         highest, bolts = self.first_loading.highest_force, self.problem.loads.unsolved_bolts
-        return highest if highest is None or bolts is None else highest + self.closes(fluid_pressure)
+        return highest if highest is None or bolts is None else highest + self.fluid_force(fluid_pressure)
 
     def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
         """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.
@@ -345,7 +345,7 @@ class LoadSolver:
         """
         if not self._on_sealed_area:
             return least_applied_force(self._seal_after(contact), fluid_pressure)
-        return -self.closes(fluid_pressure)
+        return -self.fluid_force(fluid_pressure)
 
     def _seal_after(self, contact: ContactSolution | None) -> CoupledContact:
         """The seal with bodies that have gone through the loads up to a contact."""
@@ -383,7 +383,7 @@ class LoadSolver:
     @cached_property
     def _first_seal(self) -> CoupledContact:
         """The same before any load."""
-        at_rest = self.problem.at_rest.on(self.model)
+        at_rest = self.problem.at_rest.body_loads(self.model)
         return CoupledContact(self.model, self.problem.law, self._path, at_rest, self.settings)
 
     @cached_property
@@ -392,7 +392,7 @@ class LoadSolver:
         equivalent = flow.equivalent if flow is not None and self.asperities_remember else None
         if self.problem.loads.closing == "sealed-area":
             area = math.pi * self.problem.initial_contact_radius**2
-            return FluidInChambers(self._falls, area, side, equivalent)
+            return FluidInChambers(self._pressure_drops, area, side, equivalent)
         if flow is None:
             return FluidAtContact(side)
         return PenetratingFluid(
@@ -403,7 +403,7 @@ class LoadSolver:
             equivalent=equivalent,
         )
 
-    def _falls(self, profile: PressureProfile, fluid_pressure: float) -> list[float]:
+    def _pressure_drops(self, profile: PressureProfile, fluid_pressure: float) -> list[float]:
         """Pressure on the inner side of each land less that on its outer side [Pa]; without a flow it falls evenly."""
         inside = self.problem.loads.pressure_side == "inner"
         inner, outer = (fluid_pressure, 0.0) if inside else (0.0, fluid_pressure)
@@ -422,11 +422,11 @@ class LoadSolver:
             lands = in_series(sealed, inner, outer, [None] * (len(sealed) - 1)).lands
         return [before - after for before, after, _ in lands] or [inner - outer]
 
-    def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
-        at_rest = self.problem.at_rest.on(self.model)
+    def _solve_sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
+        at_rest = self.problem.at_rest.body_loads(self.model)
         return solve(self.model, self.problem.law, contact_force=force, loads=at_rest, start=start)
 
-    def closes(self, fluid_pressure: float) -> float:
+    def fluid_force(self, fluid_pressure: float) -> float:
         """Force with which a fluid pressure [Pa] on the circle of first touch closes the seal [N]."""
         return contact_force(
             self.problem.initial_contact_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side
@@ -496,7 +496,7 @@ class SolvedLoads:
     @property
     def problems(self) -> dict[int, LoadProblem]:
         """Number of each load without a contact, with the reason."""
-        return {number: _problem(error) for number, error in self.failures.items()}
+        return {number: _load_problem(error) for number, error in self.failures.items()}
 
 
 def solve_loads(
@@ -535,7 +535,7 @@ def solve_loads(
             if bolts is None:
                 contact = solver.solve_pressed(alike[0], (pressed or {}).get(alike[0]))
             else:
-                own, contact = solver.held_by_bolts(alike[0], bolts)
+                own, contact = solver.solve_bolts(alike[0], bolts)
                 held.update(dict.fromkeys(alike, own))
             around = problem.circumference(contact)
         except _NO_SOLUTION as error:
@@ -555,14 +555,14 @@ def _solved_path(
 ) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
     points = solver.problem.loads.points
-    path = _path(solver, points, unload=unload, progress=progress, leave=leave)
+    path = _walk_path(solver, points, unload=unload, progress=progress, leave=leave)
     failures: dict[int, Exception] = {
         number: solver.open_on_path(points[number], opened) for number, opened in path.open_loads.items()
     }
     closed = [number for number in range(len(points)) if number not in failures]
     unsolved = closed[len(path.contacts) :]
     if path.failure is not None and unsolved:
-        failures.update(_beyond(unsolved, points, path.failure))
+        failures.update(_failures_after(unsolved, points, path.failure))
     not_unloaded = None if unsolved or path.unloaded_bodies is not None else path.failure
     held = {}
     if solver.problem.loads.unsolved_bolts is not None:
@@ -573,7 +573,7 @@ def _solved_path(
     return SolvedLoads(path.contacts, rest, failures, not_unloaded, points=held, was_left=path.was_left)
 
 
-def _beyond(
+def _failures_after(
     unsolved: Sequence[int], points: Sequence[tuple[float, float]], stopped: Exception
 ) -> dict[int, Exception]:
     """Why loads from the one at which a path ended have no contact."""
@@ -584,7 +584,7 @@ def _beyond(
     return {first: stopped} | {number: InputError(unknown) for number in others}
 
 
-def _problem(error: Exception) -> LoadProblem:
+def _load_problem(error: Exception) -> LoadProblem:
     if isinstance(error, InputError):
         first = error.problems[0]
         return first if isinstance(first, LoadProblem) else LoadProblem(first.key, first.message, first.value)
@@ -626,7 +626,7 @@ def _end_of_path(
     progress: Progress | None = None,
     first: FirstLoading | None = None,
 ) -> ElastoplasticContact:
-    path = _path(solver, points, steps, unload=False, progress=progress, first=first)
+    path = _walk_path(solver, points, steps, unload=False, progress=progress, first=first)
     last = len(points) - 1
     if last in path.open_loads:
         raise solver.open_on_path(points[last], path.open_loads[last])
@@ -635,7 +635,7 @@ def _end_of_path(
     return path.contacts[-1]
 
 
-def _path(
+def _walk_path(
     solver: LoadSolver,
     points: Sequence[tuple[float, float]],
     steps: int | None = None,
@@ -662,14 +662,14 @@ def _path(
     tell = (
         None
         if progress is None
-        else _now_and_then(progress, way, problem.loads.before, len(points), unload=unload)
+        else _progress_teller(progress, way, problem.loads.preparation, len(points), unload=unload)
     )
     try:
         path = load_path(
             solver.model,
             problem.law,
             loads,
-            at_rest=problem.at_rest.on(solver.model),
+            at_rest=problem.at_rest.body_loads(solver.model),
             settings=settings,
             partial=True,
             unload=unload,
@@ -690,7 +690,7 @@ def _path(
     if 0 in path.open_loads:
         raise solver.open_on_path(way[0][1], path.open_loads[0])
     if not path.contacts:
-        return replace(path, failure=ConvergenceError(f"{problem.loads.before}: {path.failure}"))
+        return replace(path, failure=ConvergenceError(f"{problem.loads.preparation}: {path.failure}"))
     closed = [number for place, (number, _) in enumerate(way) if place not in path.open_loads]
     found = list(zip(closed, path.contacts, strict=False))
     if not solver.asperities_remember:
@@ -708,7 +708,7 @@ def _path(
 _TOLD_EVERY = 5.0
 
 
-def _now_and_then(
+def _progress_teller(
     progress: Progress,
     way: Sequence[tuple[int | None, tuple[float, float]]],
     before: str,
@@ -737,7 +737,7 @@ def _now_and_then(
     return tell
 
 
-def path_again(solver: LoadSolver) -> list[ContactSolution]:
+def solve_path(solver: LoadSolver) -> list[ContactSolution]:
     """All loads of a problem on the path of bodies that yield, without what is left after the last.
 
     Parameters
@@ -750,14 +750,14 @@ def path_again(solver: LoadSolver) -> list[ContactSolution]:
         If a load opens the seal or does not converge.
     """
     points = solver.problem.loads.points
-    path = _path(solver, points, unload=False)
+    path = _walk_path(solver, points, unload=False)
     if len(path.contacts) < len(points):
         opened = [str(one.error) for one in path.open_loads.values()]
         raise ConvergenceError(opened[0] if opened else str(path.failure))
     return list(path.contacts)
 
 
-def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[ContactSolution]:
+def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[ContactSolution]:
     """The same loads of bodies that yield with another law, the bodies linearised where they are.
 
     What they would have yielded otherwise on the way to the last load step of each load is left out.
@@ -793,7 +793,7 @@ def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
     return [found[id(contact)] for contact in contacts]
 
 
-def solved_again(
+def solve_again(
     contacts: Sequence[ContactSolution],
     model: ContactModel,
     law: Law,

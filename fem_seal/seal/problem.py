@@ -25,7 +25,7 @@ from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, join_lands
-from fem_seal.seal.heating import Heating, heating, warmed
+from fem_seal.seal.heating import Heating, heating_of, with_contact_temperatures
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
 from fem_seal.units import format_value
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
@@ -111,7 +111,7 @@ class Loads:
         That close the seal; None where a force is applied.
     tightened : tuple of float
         Preload of bolts for each load [N], where each load has its own; the bodies go through it before the fluid acts.
-    solved : bool
+    bolts_solved : bool
         Whether the forces of the bolts stand in the points; their preloads do before.
     along_path : bool
         Whether all bodies go through them in load steps, those that are elastic as well, because one of the seal
@@ -126,7 +126,7 @@ class Loads:
     earlier: tuple[float, float] | None = None
     bolts: Bolts | None = None
     tightened: tuple[float, ...] = ()
-    solved: bool = False
+    bolts_solved: bool = False
     along_path: bool = False
 
     @property
@@ -202,16 +202,16 @@ class Loads:
             yield number, point
 
     @property
-    def before(self) -> str:
+    def preparation(self) -> str:
         """What comes before them, in words; empty for new faces."""
         if self.bolts is not None:
             return "tightening the bolts"
         return "" if self.earlier is None else "the largest earlier load"
 
     @property
-    def loose(self) -> Loads:
+    def with_loose_bolts(self) -> Loads:
         """The same with bolts that are yet to be tightened, for each load anew."""
-        return replace(self, earlier=None, tightened=(), solved=False)
+        return replace(self, earlier=None, tightened=(), bolts_solved=False)
 
     def after_tightening(self, fluid_pressure: float, preload: float) -> Loads:
         """One load in their place, at a fluid pressure [Pa] and with bolts that have a preload [N]."""
@@ -233,13 +233,13 @@ class Loads:
             earlier=None if self.earlier is None else (0.0, preloads[0]),
             bolts=bolts,
             tightened=tuple(preloads) if self.tightened else (),
-            solved=False,
+            bolts_solved=False,
         )
 
     @property
     def unsolved_bolts(self) -> Bolts | None:
         """Bolts whose force under each load is still to be found; None without bolts, and once they are solved."""
-        return None if self.solved else self.bolts
+        return None if self.bolts_solved else self.bolts
 
     def with_forces(self, points: Mapping[int, tuple[float, float]]) -> Loads:
         """The same with the forces that bolts have under some of them.
@@ -250,7 +250,7 @@ class Loads:
             Fluid pressure [Pa] and force [N] by the number of the load.
         """
         each = tuple(points.get(number, point) for number, point in enumerate(self.points))
-        return replace(self, points=each, solved=True)
+        return replace(self, points=each, bolts_solved=True)
 
 
 @dataclass(frozen=True)
@@ -279,17 +279,17 @@ class AtRest:
 
     @classmethod
     def of(cls, case: CaseTables) -> AtRest:
-        """What acts on the bodies of a case, which is `warmed`."""
+        """What acts on the bodies of a case, see `with_contact_temperatures`."""
         of_library = case.fluid is not None and case.fluid.library_entry is not None
         return cls(
             case.wall_motion,
             case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
             case.body_temperatures,
             case.fluid.temperature if case.fluid is not None and of_library else None,
-            heating(case) if case.conducts_heat else None,
+            heating_of(case) if case.conducts_heat else None,
         )
 
-    def on(self, model: ContactModel) -> BodyLoads:
+    def body_loads(self, model: ContactModel) -> BodyLoads:
         """The loads of condensed bodies.
 
         All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
@@ -426,7 +426,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
-        case = warmed(case) if case.conducts_heat else case
+        case = with_contact_temperatures(case) if case.conducts_heat else case
         return cls(
             contact=case.contact,
             materials={name: case.table_of(name).material for name in ("closure", "seat")},
@@ -497,7 +497,7 @@ class SealProblem:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])
 
-    def meeting(self, model: ContactModel, way: float) -> float:
+    def stop_approach(self, model: ContactModel, way: float) -> float:
         """Approach at which flanges meet whose faces, at the temperature of assembly, meet after a way of one face [m].
 
         Warm flanges grow from where they are pressed towards each other, and more than the gasket by their expansion.
@@ -544,14 +544,14 @@ class SealProblem:
         if self.form is None:
             return None
         from fem_seal.contact.local_contact import LocalContact
-        from fem_seal.seal.circumference import around_after
+        from fem_seal.seal.circumference import solve_both_around
 
         own, contact = law or self.law, contact.unstopped
         local = LocalContact(contact, own, None if near is None else near.local)
         if contact.earlier is None or contact.largest is None:
-            return around_after(self.form, local, None, near)
+            return solve_both_around(self.form, local, None, near)
         known = None if near is None or near.before is None else near.before.local
-        return around_after(self.form, local, LocalContact(contact.earlier.unstopped, own, known), near)
+        return solve_both_around(self.form, local, LocalContact(contact.earlier.unstopped, own, known), near)
 
     @property
     def leaks(self) -> bool:
@@ -711,10 +711,10 @@ def build_mesh(problem: SealProblem) -> SealMesh:
     ------
     GeometryError, MeshingError
     """
-    return build_contact(problem.contact, sizing(problem))
+    return build_contact(problem.contact, size_mesh(problem))
 
 
-def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizing:
+def size_mesh(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizing:
     """Element sizes and contact zone for all loads of a problem, and for the largest one before them.
 
     Parameters
@@ -745,21 +745,21 @@ def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizin
     return round_sizing(found, contact, size_given=size_given)
 
 
-def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
+def condense_bodies(problem: SealProblem, mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
     """The bodies of a problem on a mesh, condensed.
 
     Parameters
     ----------
     problem : SealProblem
-    seal_mesh : SealMesh
+    mesh : SealMesh
     known : ContactModel, optional
         Whose closure may be the same, see `fem_seal.contact.model.condense`.
     """
     from fem_seal.contact.model import condense
 
     heating = problem.at_rest.heating
-    heat = None if heating is None else heating.of_bodies(seal_mesh, problem.materials)
-    model = condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
+    heat = None if heating is None else heating.of_bodies(mesh, problem.materials)
+    model = condense(mesh, problem.materials, problem.supports, heat, known=known)
     return with_stop(problem, model)
 
 
@@ -778,8 +778,8 @@ def with_stop(problem: SealProblem, model: ContactModel) -> ContactModel:
     """
     if problem.gasket is None:
         return model
-    touch = problem.at_rest.on(model).touch(model)
-    stop = problem.meeting(model, problem.gasket.stop)
+    touch = problem.at_rest.body_loads(model).touch(model)
+    stop = problem.stop_approach(model, problem.gasket.stop)
     if stop <= touch:
         problem_of_stop = Problem(
             "gasket.stop",

@@ -24,8 +24,8 @@ from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.seal.leak_model import Conductivity, FlowModel
 from fem_seal.seal.leak_model import log_peaks as log_peaks_of
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, linearised_again, path_again
-from fem_seal.seal.problem import SealProblem, condensed, with_stop
+from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_linearised, solve_path
+from fem_seal.seal.problem import SealProblem, condense_bodies, with_stop
 from leak import RoughContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
@@ -72,7 +72,7 @@ class Source:
         with clock.step("mesh", "meshing closure and seat"):
             seal_mesh = build_contact(problem.contact, sizing)
         with clock.step("condense", "condensing both bodies on the contact line"):
-            return seal_mesh, condensed(problem, seal_mesh)
+            return seal_mesh, condense_bodies(problem, seal_mesh)
 
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over peak pressures given as decimal logarithms [Pa]."""
@@ -277,7 +277,7 @@ class NeighbourSource(Source):
         """The known bodies, with another modulus where they have one."""
         factor = self._stiffness(problem)
         if factor != 1.0 and problem.follows_path:
-            return condensed(problem, self.seal_mesh)
+            return condense_bodies(problem, self.seal_mesh)
         return self.solved_model if self._on_given_profiles else self.solved_model.stiffer(factor)
 
     def pressings(self, problem: SealProblem, model: ContactModel) -> dict[int, ContactProblem]:
@@ -321,9 +321,9 @@ class NeighbourSource(Source):
             solved = {n: contact for n, contact in pressed.items() if not isinstance(contact, Exception)}
             return [solved[number].after(solved.get(_LOAD_BEFORE)) for number in self.numbers]
         if self.whole_paths or self._stiffness(problem) != 1.0:
-            path = path_again(LoadSolver(problem, model))
+            path = solve_path(LoadSolver(problem, model))
             return [path[number] for number in self.numbers]
-        return linearised_again(contacts, problem.law)
+        return solve_linearised(contacts, problem.law)
 
     def solve(
         self, problem: SealProblem, model: ContactModel, pressed: Mapping[int, ContactSolution | Exception]

@@ -35,7 +35,7 @@ from fem_seal.errors import SealError, error_text
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import NOT_JUDGED, Level, Validity, remark
-from fem_seal.seal.heating import warmed
+from fem_seal.seal.heating import with_contact_temperatures
 from fem_seal.seal.problem import problems_of
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
 from fem_seal.seal.sources import OWN_BODIES, SharedBodies, Source, family_or_own_table
@@ -127,7 +127,7 @@ def evaluate_designs(
     """
     if FORCE_FOR_VERDICT in columns:
         return batch.map(cases, lambda number: _with_verdict_force(cases[number], columns))
-    cases = batch.map(cases, lambda number: warmed(cases[number]))
+    cases = batch.map(cases, lambda number: with_contact_temperatures(cases[number]))
     problems = batch.map(cases, lambda number: problems_of(cases[number]))
     sources = {n: (_source(cases[n], columns, interpolate),) * len(each) for n, each in problems.items()}
     evaluations = evaluate_many(problems, sources, batch)

@@ -533,7 +533,7 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
     if not problem.at_rest.temperatures:
         return
     model = loads[0].contact.model
-    at_rest, outwards = problem.at_rest.on(model), []
+    at_rest, outwards = problem.at_rest.body_loads(model), []
     for body in (model.closure, model.seat):
         touch = body.fem.contact_dofs[0, np.argmin(np.abs(body.fem.contact_x))]
         outwards.append(float(at_rest.displacement(body, model)[touch]))
@@ -555,7 +555,7 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         return
     contact, load = problem.contact, max(loads, key=lambda load: load.contact.approach)
     model, half = load.contact.model, contact.closure.extent[1][0] - contact.seat.extent[1][0]
-    limit = problem.meeting(model, half)
+    limit = problem.stop_approach(model, half)
     if load.contact.approach > limit:
         way, room, stop = (
             1e6 * problem.faces * length for length in (load.contact.closing, limit - model.touch, half)

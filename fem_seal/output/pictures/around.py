@@ -15,7 +15,7 @@ from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import GREY, INK, ORANGE
 from fem_seal.output.pictures.contact import SCALE_ROOM, even_levels, scale_of_colours
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.load_result import different, load_axis, load_name
+from fem_seal.seal.load_result import distinct_loads, load_axis, load_name
 from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
@@ -244,7 +244,7 @@ def _in_others(load: CaseLoad) -> list[FloatArray]:
 
 def _choose_loads(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
-    loads = [result.loads[n] for n in different(result.loads)]
+    loads = [result.loads[n] for n in distinct_loads(result.loads)]
     known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]
     return [known[n] for n in style.few(len(known), _LINES)] if known else []
 

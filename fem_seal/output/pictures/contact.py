@@ -15,7 +15,7 @@ from fem_seal.output.columns import in_words
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
-from fem_seal.seal.load_result import LoadAxis, different, load_axis, load_name
+from fem_seal.seal.load_result import LoadAxis, distinct_loads, load_axis, load_name
 from fem_seal.units import Unit, fixed_unit, format_quantity, quantity, unit_for
 from fem_seal.wording import phrase
 
@@ -59,7 +59,7 @@ def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture
         Closed forms of the case.
     """
     loads = result.loads
-    order = different(loads)
+    order = distinct_loads(loads)
     closed = not result.of_profile and not math.isinf(result.model.relative_radius)
     shown = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
     together = len(order) > 1 or not closed
@@ -86,7 +86,7 @@ def all_profiles(axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], le
     axes : Axes
     loads : sequence of CaseLoad
     order : sequence of int
-        Numbers of those that are drawn, from `fem_seal.seal.load_result.different`.
+        Numbers of those that are drawn, from `fem_seal.seal.load_result.distinct_loads`.
     length : Unit
         Of x.
     """
@@ -121,7 +121,7 @@ def draw_profiles(axes: Axes, result: SealSolution) -> None:
     """
     loads = result.loads
     length = unit_for("length", max(float(np.ptp(one.x)) for load in loads for one in load.profiles) / 4)
-    all_profiles(axes, loads, different(loads), length)
+    all_profiles(axes, loads, distinct_loads(loads), length)
     axes.set_title("Contact pressure")
 
 
@@ -181,14 +181,14 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> style.Pict
 
 def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> Unit:
     """One measure of the profiles over the loads; returns its unit."""
-    x, order = over.shown, np.argsort(over.values)
+    x, order = over.numbers, np.argsort(over.values)
     calculated = getattr(sizes["calculated"], measure)
     unit = unit_for(kind, float(calculated.max()))
     for name, (text, colour, dashes) in _CLOSED_FORMS.items():
         if name in sizes:
             y = getattr(sizes[name], measure)[order] / unit.size
             axes.plot(x[order], y, color=colour, linestyle=dashes, label=text)
-    dots = "o-" if over.ordered else "o"
+    dots = "o-" if over.order_matters else "o"
     axes.plot(x, calculated / unit.size, dots, color=BLUE, linewidth=0.8, ms=4.5, label="calculated")
     scales = ["x"] if x.min() > 0 and style.spans_decades(x) else []
     if measure == "peak_pressure" and style.spans_decades(calculated):
@@ -233,7 +233,7 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
 
 def _few_loads(loads: Sequence[CaseLoad]) -> list[tuple[CaseLoad, str, Any]]:
     """A few different loads with their names and colours."""
-    order, names = different(loads), load_axis(loads).names
+    order, names = distinct_loads(loads), load_axis(loads).names
     drawn = [order[n] for n in style.few(len(order), 4)]
     colour = style.load_colours(len(drawn))
     return [(loads[n], names[n], colour(place)) for place, n in enumerate(drawn)]

@@ -108,7 +108,7 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     from matplotlib.colors import ListedColormap, LogNorm
 
     simulation = table.simulation
-    pressed = table.pressed(pressure)
+    pressed = table.press_sample(pressure)
     if simulation.settings.direction == "y":
         pressed = PressedMap(pressed.gap.T.copy(), pressed.touches.T, pressed.yielded.T)
     gap, touches, yielded = pressed

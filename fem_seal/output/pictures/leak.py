@@ -82,15 +82,15 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
         shared_flow_unit((*rates, *ends.flat) if rates.any() else (*shown,)),
     )
     for name, values, colour, width in curves if beside else curves[:1]:
-        how: dict[str, Any] = {"color": colour, "linewidth": 0.8 if over.ordered else width}
-        axes.plot(over.shown, positive(values) / unit.size, "o-", ms=3.8, label=name, **how)
-    _mark_outside(axes, over.shown, positive(rates) / unit.size, outside)
+        how: dict[str, Any] = {"color": colour, "linewidth": 0.8 if over.order_matters else width}
+        axes.plot(over.numbers, positive(values) / unit.size, "o-", ms=3.8, label=name, **how)
+    _mark_outside(axes, over.numbers, positive(rates) / unit.size, outside)
     if np.isfinite(ends).any():
         sampled, (low, high) = result.uncertainty, ends.T / unit.size
         name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
         edge = 6.0 if len(loads) == 1 else 0.0  # one load has no area
-        axes.fill_between(over.shown, low, high, color=BLUE, alpha=0.15, linewidth=edge, label=name)
-    _mark_at_foot(axes, over.shown[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
+        axes.fill_between(over.numbers, low, high, color=BLUE, alpha=0.15, linewidth=edge, label=name)
+    _mark_at_foot(axes, over.numbers[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
     required = result.case.requirement
     if required is not None and required.leak_rate is not None:
         shown = np.append(shown, required.leak_rate)
@@ -103,7 +103,7 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     elif len(loads) == 1:
         axes.set_ylim(least, most + 0.5 * (most - least))
     if over.returns:
-        number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
+        number_dots(axes, over.numbers, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     place = "upper right" if len(loads) == 1 else "best"
     label(axes, "Leak rate", over.label, f"leak rate  [{volume.name_unit(unit).name}]", legend=place)
     return True
@@ -226,11 +226,11 @@ def memory_picture(result: SealSolution) -> Picture | None:
     unit = volume_of(result.case).name_unit(shared_flow_unit((*first.flat, *after.flat)))
     figure, (axes,) = panels(1, height=3.6, width=NARROW)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
-        _band(axes, over.shown, ends / unit.size, colour, name)
+        _band(axes, over.numbers, ends / unit.size, colour, name)
     scale_over_loads(axes, over, np.concatenate([first, after]), 0.7)
     if over.returns:
         numbers = [result.loads.index(load) + 1 for load in loads]
-        number_dots(axes, over.shown, after[:, 1] / unit.size, numbers)
+        number_dots(axes, over.numbers, after[:, 1] / unit.size, numbers)
     title = "Leak rate on first loading and after a larger load"
     label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
     both = "both" if any(load.others for load in loads) else ""

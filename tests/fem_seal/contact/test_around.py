@@ -33,7 +33,7 @@ from fem_seal.form import FormError, Wave, rigid_wave
 from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
 from fem_seal.seal import circumference
-from fem_seal.seal.circumference import Circumference, LeakCurve, around
+from fem_seal.seal.circumference import Circumference, LeakCurve, solve_around
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import ProfileLeak
 from fem_seal.seal.load_solver import Clock
@@ -441,11 +441,11 @@ def test_what_is_looked_for_near_a_neighbour_is_the_same(rough: LocalContact, sh
 
     Contacts to what their tolerance leaves; line loads to what a spline does, which may have fewer rungs: 3e-6.
     """
-    neighbour = around(one_wave(2, 1e-6), rough)
+    neighbour = solve_around(one_wave(2, 1e-6), rough)
     mean = solve(rough.mean.model, LAW, contact_force=share * rough.mean.contact_force)
     form = one_wave(2, share**2 * 1e-6)
-    alone = around(form, LocalContact(mean, LAW))
-    beside = around(form, LocalContact(mean, LAW, rough), neighbour)
+    alone = solve_around(form, LocalContact(mean, LAW))
+    beside = solve_around(form, LocalContact(mean, LAW, rough), neighbour)
     np.testing.assert_allclose(beside.line_load, alone.line_load, rtol=3e-6)
     rungs = alone.local._rungs.keys() & beside.local._rungs.keys()
     assert len(rungs) > 6
@@ -505,7 +505,7 @@ def test_other_pairs_of_bodies(pair: str) -> None:
     assert local.approach(np.array([mean.line_load]))[0][0] == pytest.approx(
         mean.approach * mean.model.touch_normal_z, abs=1e-6 * U0
     )
-    f = around(one_wave(2, 2e-6), local).line_load
+    f = solve_around(one_wave(2, 2e-6), local).line_load
     assert f.mean() == pytest.approx(mean.line_load, rel=1e-8) and f.min() < 0.2 * f.mean()
     for load in (f.min(), f.max()):
         solved = local.at(load)
@@ -528,7 +528,7 @@ def large() -> LocalContact:
 def test_bodies_of_half_a_metre_are_half_spaces(large: LocalContact, row: dict[str, float]) -> None:
     """Line loads to 0.3 % of the largest; peaks, with the bending of the gap to first order, to 0.1 and 0.25 %."""
     waves = round(row["wave_number_per_m"] * 0.5 * math.sin(math.radians(45)))
-    found = around(one_wave(waves, row["amplitude_m"]), large)
+    found = solve_around(one_wave(waves, row["amplitude_m"]), large)
     f, largest = over_mean(found), row["line_load_near_over_mean"]
     harmonics = np.fft.rfft(f).real / (len(f) / 2)
     assert f[0] == pytest.approx(row["line_load_far_over_mean"], abs=1e-4)
@@ -548,7 +548,7 @@ def test_full_solution_of_the_example(
     rough: LocalContact, amplitude: float, least: float, most: float
 ) -> None:
     """Against p(x, phi) solved as a whole with Fourier finite elements, elsewhere: four digits."""
-    found = around(one_wave(2, amplitude), rough)
+    found = solve_around(one_wave(2, amplitude), rough)
     assert found.least_over_mean == pytest.approx(least, abs=6e-5)
     assert found.most_over_mean == pytest.approx(most, abs=6e-5)
 
@@ -556,8 +556,8 @@ def test_full_solution_of_the_example(
 def test_a_form_of_no_size_changes_nothing(rough: LocalContact) -> None:
     """Also a tiny one, in proportion to itself; 1e-10 is the solver's own tolerance."""
     for form in (FormError(), one_wave(2, 0.0), one_wave(3, 1e-18)):
-        np.testing.assert_allclose(over_mean(around(form, rough)), 1.0, atol=1e-9)
-    at_mean = around(FormError(), rough)
+        np.testing.assert_allclose(over_mean(solve_around(form, rough)), 1.0, atol=1e-9)
+    at_mean = solve_around(FormError(), rough)
     assert at_mean.peak_pressure[0] == pytest.approx(rough.mean.profile.peak_pressure, rel=1e-9)
 
 
@@ -566,19 +566,19 @@ def test_a_turned_form_turns_the_line_load(rough: LocalContact) -> None:
     phi = 2 * np.pi / 4
     waves = (Wave(2, 1e-6, 0.3), Wave(3, 4e-7, 1.0))
     turned = tuple(Wave(one.waves, one.amplitude, one.phase + one.waves * phi) for one in waves)
-    first, second = (around(FormError(these, highest=3), rough) for these in (waves, turned))
+    first, second = (solve_around(FormError(these, highest=3), rough) for these in (waves, turned))
     np.testing.assert_allclose(over_mean(second), np.roll(over_mean(first), len(first.angle) // 4), atol=1e-8)
 
 
 def test_the_opposite_form_is_the_form_turned_by_half_a_wave(rough: LocalContact) -> None:
     """Whatever is added up around the axis is therefore even in the amplitude, of one wave: the leak, for one."""
-    first, second = (around(one_wave(2, amplitude), rough) for amplitude in (1e-6, -1e-6))
+    first, second = (solve_around(one_wave(2, amplitude), rough) for amplitude in (1e-6, -1e-6))
     np.testing.assert_allclose(over_mean(second), np.roll(over_mean(first), len(first.angle) // 4), rtol=1e-7)
     assert np.sum(second.peak_pressure**-3) == pytest.approx(np.sum(first.peak_pressure**-3), rel=1e-8)
 
 
 def test_larger_forms_leave_less_line_load_and_the_mean_stays(rough: LocalContact) -> None:
-    found = [around(one_wave(2, a), rough) for a in (1e-7, 1e-6, 3e-6)]
+    found = [solve_around(one_wave(2, a), rough) for a in (1e-7, 1e-6, 3e-6)]
     assert all(np.diff([one.least_over_mean for one in found]) < 0)
     assert all(np.diff([one.most_over_mean for one in found]) > 0)
     for one in found:
@@ -591,7 +591,7 @@ def test_a_form_that_no_seal_bears_is_an_error(rough: LocalContact) -> None:
         ConvergenceError,
         match=r"2000 um from the narrowest to the widest gap: .* times the mean.*make the form error smaller",
     ):
-        around(one_wave(2, 1e-3), rough)
+        solve_around(one_wave(2, 1e-3), rough)
 
 
 def test_a_free_closure_does_not_feel_where_it_stands(rough: LocalContact) -> None:
@@ -599,12 +599,12 @@ def test_a_free_closure_does_not_feel_where_it_stands(rough: LocalContact) -> No
     normal = (-math.sin(math.radians(45)), model.touch_normal_z)
     aside = rigid_wave(normal, model.initial_contact_radius, 5e-6, 0.4, 1e-4, 2.0, 3e-3)
     oval = Wave(2, 1e-6)
-    alone = around(FormError((oval,), highest=2), rough)
+    alone = solve_around(FormError((oval,), highest=2), rough)
     np.testing.assert_allclose(
-        over_mean(around(FormError((*aside, oval), highest=2), rough)), over_mean(alone)
+        over_mean(solve_around(FormError((*aside, oval), highest=2), rough)), over_mean(alone)
     )
-    np.testing.assert_allclose(over_mean(around(FormError(aside), rough)), 1.0, atol=1e-9)
-    three = around(FormError((Wave(1, 1e-6), oval, Wave(3, 5e-7)), highest=3), rough)
+    np.testing.assert_allclose(over_mean(solve_around(FormError(aside), rough)), 1.0, atol=1e-9)
+    three = solve_around(FormError((Wave(1, 1e-6), oval, Wave(3, 5e-7)), highest=3), rough)
     assert abs(np.fft.rfft(over_mean(three))[1]) < 1e-7 * len(three.angle)
 
 
@@ -618,7 +618,7 @@ def test_a_guided_ball_feels_eccentricity_but_no_tilt_about_its_centre(rough: Lo
             form={"guide": "guided", **keys},
         )
         assert case.form is not None
-        return around(case.form.error(case.contact.angle, case.initial_contact_radius), rough)
+        return solve_around(case.form.error(case.contact.angle, case.initial_contact_radius), rough)
 
     centre = f"{20 / math.sqrt(2):.15g} mm"
     np.testing.assert_allclose(over_mean(guided(tilt="0.1 deg", tilt_height=centre)), 1.0, atol=1e-9)
@@ -633,8 +633,8 @@ def test_all_lengths_larger_give_the_same_shares(rough: LocalContact) -> None:
     """Bodies, law and form twice as large under the same fluid pressure: the same stresses. Meshes agree to 1e-4."""
     law = ExponentialLaw(p_c=10e9, u0=2 * U0)
     model, (force,) = ball_on_cone(law, [20e5], radius=0.04)
-    twice = around(one_wave(2, 2e-6), LocalContact(solve(model, law, contact_force=force), law))
-    once = around(one_wave(2, 1e-6), rough)
+    twice = solve_around(one_wave(2, 2e-6), LocalContact(solve(model, law, contact_force=force), law))
+    once = solve_around(one_wave(2, 1e-6), rough)
     np.testing.assert_allclose(over_mean(twice), over_mean(once), rtol=1e-5)
     np.testing.assert_allclose(twice.peak_pressure, once.peak_pressure, rtol=1e-5)
     np.testing.assert_allclose(twice.fwhm, 2 * once.fwhm, rtol=1e-5)
@@ -646,7 +646,7 @@ def test_small_waves_on_bodies_are_answered_in_proportion(rough: LocalContact) -
     slope = rough.approach(np.array([mean.line_load]))[1][0] / mean.line_load
     for n in (1, 2, 5):
         amplitude = 1e-10
-        f = around(one_wave(n, amplitude, guided=True), rough).line_load
+        f = solve_around(one_wave(n, amplitude, guided=True), rough).line_load
         expected = -amplitude / (slope + Stiffening(mean.model, mean.pressure, 5)(n))
         assert np.fft.rfft(f)[n].real / (len(f) / 2) == pytest.approx(expected, rel=1e-4)
 
@@ -776,7 +776,7 @@ def test_leak_rate_around_against_every_angle_on_its_own(
 
     A cubic spline through line loads in even steps of 0.125 was off by 5e-3.
     """
-    circumference = around(one_wave(2, amplitude), rough)
+    circumference = solve_around(one_wave(2, amplitude), rough)
     sealed = over * circumference.most_loaded.profile.peak_pressure
 
     def conductivity(pressure: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ from fem_seal.output.answers.leak import leakage_lines
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import far_field_sentence, report
 from fem_seal.output.tables import write_profile_csv
-from fem_seal.seal.load_result import different, load_axis, load_name
+from fem_seal.seal.load_result import distinct_loads, load_axis, load_name
 from fem_seal.seal.problem import SealProblem, larger_housing, problems_of
 from leak import LeakResult, Reading
 
@@ -63,9 +63,9 @@ def test_loads_keep_their_order_and_elastic_bodies_come_back():
 def test_loads_that_come_back_are_told_once():
     loads = valve().loads
     assert [load_name(load, loads) for load in loads] == ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"]
-    assert [loads[n].fluid_pressure for n in different(loads)] == [20e5, 15e5, 5e5]
+    assert [loads[n].fluid_pressure for n in distinct_loads(loads)] == [20e5, 15e5, 5e5]
     over = load_axis(loads)
-    assert not over.ordered and not over.returns and over.order == ""
+    assert not over.order_matters and not over.returns and over.order == ""
     pictures = [
         base64.b64decode(code).decode()
         for code in re.findall(r"svg\+xml;base64,([\w+/=]+)", report(valve(), full=True))

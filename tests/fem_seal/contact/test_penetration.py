@@ -33,7 +33,7 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.errors import ConvergenceError, OpenSealError
-from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.problem import SealProblem, condense_bodies, size_mesh
 from meshes import build_contact
 
 LAW = leak.ExponentialLaw(p_c=10e9, u0=0.76e-6)
@@ -105,7 +105,7 @@ def wetted(closure, seat, refine=1.0, **load):
         load={"fluid_pressure": "10 bar", "pressure_side": "inner", "closing": "penetration", **load},
     )
     problem = SealProblem.of(case)
-    return case, condensed(problem, build_contact(problem.contact, sizing(problem).refined(refine)))
+    return case, condense_bodies(problem, build_contact(problem.contact, size_mesh(problem).refined(refine)))
 
 
 def unevenness(model, p):

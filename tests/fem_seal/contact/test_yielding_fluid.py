@@ -38,7 +38,7 @@ from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again
+from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, solve_linearised
 from fem_seal.seal.problem import SealFlow, SealProblem
 from fem_seal.studies.responses import evaluate_design
 
@@ -408,7 +408,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     problem, result = sampled()
     settings = Uncertainty(rms_height=Spread(relative=0.1), hardness=Spread(relative=0.1))
     assert result.contact[0].states["seat"].plastic.accumulated_strain.max() > 1e-3  # type: ignore[attr-defined]
-    (same,) = linearised_again(result.contact, problem.law)
+    (same,) = solve_linearised(result.contact, problem.law)
     assert same.pressure == pytest.approx(result.contact[0].pressure, rel=1e-6)
     samples = Samples.of(result, settings)
     assert not samples.follow_paths

@@ -123,7 +123,7 @@ def test_gaps_are_all_counted():
 def test_theory_stands_beside_it():
     found = table()
     first = found.rows[0]
-    held = found.simulation.held
+    held = found.simulation.patch_surface
     assert first.theory.gap[Reading.CAPPED] == pytest.approx(
         float(held.capped.effective_separation(first.pressure))
     )
@@ -307,7 +307,7 @@ def test_metal_that_flows_is_loaded_step_by_step():
     assert found.rows[2].contact_area > found.rows[0].contact_area
     assert found.rows[1].mean_gap < found.rows[2].mean_gap < found.rows[0].mean_gap
     assert found.rows[2].yielded_area >= found.rows[1].yielded_area
-    drawn = found.pressed(3e8)
+    drawn = found.press_sample(3e8)
     assert drawn.gap == pytest.approx(states[0][3].gap, abs=1e-3 * states[0][3].gap.max())
     assert np.mean(drawn.touches) == pytest.approx(states[0][3].contact_area, abs=2e-3)
     assert np.mean(drawn.yielded) == pytest.approx(states[0][3].yielded_area, abs=4e-3)
@@ -471,7 +471,7 @@ def test_another_surface_is_another_piece():
 
 def test_usual_pressures_span_the_contact_areas():
     simulation = DirectSettings(points=64).of(rough_contact(case()))
-    areas = [float(simulation.held.contact_area(p)) for p in simulation.settings.pressures]
+    areas = [float(simulation.patch_surface.contact_area(p)) for p in simulation.settings.pressures]
     assert len(areas) == 8
     assert areas[0] == pytest.approx(0.003, rel=0.01)
     assert areas[-1] == pytest.approx(0.3, rel=0.01)
@@ -482,7 +482,7 @@ def test_table_follows_the_simulation_and_goes_on_like_the_theory():
     conductivity = found.conductivity_table(1e2, 1e9, 80)
     for row in found.loading:
         assert conductivity.effective_separation(row.pressure) == pytest.approx(row.effective_gap, rel=0.02)
-    theory = found.simulation.held.capped
+    theory = found.simulation.patch_surface.capped
     low = found.range[0]
     slope = [np.diff(np.asarray(one([1e-3 * low, 1e-2 * low])))[0] for one in (
         conductivity.effective_separation, theory.effective_separation,

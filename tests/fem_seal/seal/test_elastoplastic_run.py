@@ -35,7 +35,7 @@ from fem_seal.output.shown_answers import pages_of
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.load_result import different, load_axis, load_name
+from fem_seal.seal.load_result import distinct_loads, load_axis, load_name
 from fem_seal.seal.problem import SealProblem
 
 YIELD = 200e6
@@ -254,7 +254,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch, picture: Callable[[], object]) -> Fig
 def test_a_load_that_comes_back_has_a_number(proof: SealResult) -> None:
     loads = proof.loads
     assert [load_name(load, loads) for load in loads] == ["50 bar (load 1)", "300 bar", "50 bar (load 3)"]
-    assert different(loads) == [0, 2, 1]
+    assert distinct_loads(loads) == [0, 2, 1]
     assert load_axis(loads).names == tuple(load_name(load, loads) for load in loads)
 
 

@@ -21,7 +21,7 @@ from fem_seal.errors import InputError
 from fem_seal.materials import HardeningCurve, HardeningOverTemperature, Material, OverTemperature
 from fem_seal.output.report.page import curve_in_words
 from fem_seal.seal.load_solver import LoadSolver, solve_load
-from fem_seal.seal.problem import SealProblem, build_mesh, condensed
+from fem_seal.seal.problem import SealProblem, build_mesh, condense_bodies
 from fem_seal.studies.responses import evaluate_design
 
 COLD, HOT = (
@@ -196,7 +196,7 @@ def pressed(stress_strain: object, /, seat: dict[str, Any] | None = None, **tabl
 
 def contact_of(given_case: Case) -> ElastoplasticContact:
     problem = SealProblem.of(given_case)
-    found = solve_load(LoadSolver(problem, condensed(problem, build_mesh(problem))), 0)
+    found = solve_load(LoadSolver(problem, condense_bodies(problem, build_mesh(problem))), 0)
     assert isinstance(found, ElastoplasticContact)
     return found
 

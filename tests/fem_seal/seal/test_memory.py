@@ -30,7 +30,7 @@ from fem_seal.result import SealResult
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import linearised_again, solved_again
+from fem_seal.seal.load_solver import solve_again, solve_linearised
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.checks import load_validity
 from leak import Reading
@@ -108,7 +108,7 @@ def test_the_earlier_load_acts_without_fluid() -> None:
     assert earlier.largest is None
     for contact in found.contacts:
         np.testing.assert_array_equal(contact.largest, earlier.pressure)
-    again = solved_again(found.contacts, model, problem.law)
+    again = solve_again(found.contacts, model, problem.law)
     for one, other in zip(again, found.contacts, strict=True):
         assert one.largest == pytest.approx(other.largest, rel=1e-8, abs=1.0)
 
@@ -381,8 +381,8 @@ def test_elastic_asperities_of_a_path_remember_nothing() -> None:
 def test_samples_of_some_loads_remember_the_others() -> None:
     problem = SealProblem.of(steps(["1 kN", "3 kN", "2 kN"], seat=cone(SOFT), mesh={"contact_size": "80 um"}))
     found = evaluate(problem).solved_loads
-    every = linearised_again(found.contacts, problem.law)
-    (last,) = linearised_again(found.contacts[2:], problem.law)
+    every = solve_linearised(found.contacts, problem.law)
+    (last,) = solve_linearised(found.contacts[2:], problem.law)
     np.testing.assert_array_equal(last.largest, every[2].largest)
     np.testing.assert_allclose(last.largest, found.contacts[2].largest, rtol=1e-6, atol=10.0)
 

@@ -13,7 +13,7 @@ from fem_seal.seal import evaluate as module
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.load_solver import Clock
-from fem_seal.seal.problem import SealProblem, sizing
+from fem_seal.seal.problem import SealProblem, size_mesh
 from meshes import MeshingError
 
 SOFT = {
@@ -34,7 +34,7 @@ def problem():
 @pytest.fixture
 def wanted_twice(monkeypatch):
     """A first mesh that no contact fits, and the numbers of the loads that are asked for on each mesh."""
-    first, better = sizing(problem()), contact_sizing.better_sizing
+    first, better = size_mesh(problem()), contact_sizing.better_sizing
     found, solved = list[list[str]](), module.solve_loads
 
     def unfit(own, contact, profiles, **more):
@@ -63,7 +63,7 @@ def test_a_path_on_a_mesh_that_does_not_fit_is_left_after_its_first_load(wanted_
     estimates = [text for text in told if text.startswith("solving 2 contacts")]
     assert len(estimates) == 2 and all(": some seconds" in text for text in estimates)
     # as if the second mesh had been the first
-    whole = load_solver.LoadSolver.on_mesh(problem(), sizing(problem()).refined(1.25))
+    whole = load_solver.LoadSolver.on_mesh(problem(), size_mesh(problem()).refined(1.25))
     alone = load_solver.solve_loads(whole)
     np.testing.assert_allclose(
         peaks(found), [one.profile.peak_pressure for one in alone.contacts], rtol=1e-12
@@ -88,7 +88,7 @@ def test_where_the_next_mesh_cannot_be_made_the_loads_go_on_on_the_first(wanted_
 
 def test_a_load_that_does_not_converge_begins_anew_without_unloading(wanted_twice, monkeypatch):
     to, told = load_solver.load_path.__globals__["_Walk"].reach, []
-    first = len(sizing(problem()).contact_vertices(problem().contact.breaks))
+    first = len(size_mesh(problem()).contact_vertices(problem().contact.breaks))
 
     def failing(self, end, begin, here, number=None, passed=None):
         if number == 1 and len(self.model.line.vertices) == first:
@@ -111,7 +111,7 @@ def test_the_time_that_is_left_is_that_of_the_way_at_the_pace_so_far(place, shar
     now, told = [0.0], list[str]()
     monkeypatch.setattr(load_solver.time, "monotonic", lambda: now[0])
     way = [(n, (1e5, 0.0)) for n in range(3)]
-    tell = load_solver._now_and_then(told.append, way, "before", 3, unload=True)
+    tell = load_solver._progress_teller(told.append, way, "before", 3, unload=True)
     now[0] = 60.0
     tell(place)
     left = told[0].split("; about ")[1].removesuffix(" left on this mesh").split()

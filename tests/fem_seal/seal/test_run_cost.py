@@ -41,7 +41,7 @@ def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monk
     def count() -> int:
         return sum(model() is not None for model in made)
 
-    condensed, margins = accuracy.condensed, opening.with_margins
+    condensed, margins = accuracy.condense_bodies, opening.with_margins
 
     @wraps(condensed)
     def counted(*asked):
@@ -54,7 +54,7 @@ def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monk
         assert count() == 0
         return margins(*asked)
 
-    monkeypatch.setattr(accuracy, "condensed", counted)
+    monkeypatch.setattr(accuracy, "condense_bodies", counted)
     monkeypatch.setattr(opening, "with_margins", go_on)
     result = fem_seal.run(case(load={"fluid_pressure": "5 bar"}))
     assert len(result.far_field) == 2

@@ -23,7 +23,7 @@ from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.output.answers.compression import SHOWN
 from fem_seal.seal.evaluate import Evaluation, evaluate
-from fem_seal.seal.load_solver import linearised_again, solved_again
+from fem_seal.seal.load_solver import solve_again, solve_linearised
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.study import Study
 
@@ -266,9 +266,9 @@ def test_with_other_surfaces_the_gasket_keeps_its_compression() -> None:
         assert surface is not None
         rougher = replace(surface, spectrum=surface.spectrum.scaled(1.1)).interface_law()
         if found is elastic():
-            (again,) = solved_again([at], at.model, rougher)
+            (again,) = solve_again([at], at.model, rougher)
         else:
-            (again,) = linearised_again([at], rougher)
+            (again,) = solve_linearised([at], rougher)
         assert again.approach == at.approach
         assert again.pressing_force == pytest.approx(at.pressing_force, rel=1e-12)
         assert again.contact_force > at.contact_force

@@ -39,7 +39,7 @@ from fem_seal.materials import HardeningCurve, Material, OverTemperature
 from fem_seal.seal.findings import Level
 from fem_seal.seal.heating import Heating
 from fem_seal.seal.load_solver import LoadSolver, solve_load
-from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.problem import SealProblem, condense_bodies, size_mesh
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.validity.fluid import film_cautions
 from fem_seal.validity.materials import material_cautions
@@ -67,7 +67,7 @@ def heated(closure: object = STEADY, seat: object = STEADY, /, **tables: Any) ->
 def contact_of(given: Case) -> Any:
     """Its only load, solved on the mesh that is made for it."""
     problem = SealProblem.of(given)
-    model = condensed(problem, meshes.build_contact(problem.contact, sizing(problem)))
+    model = condense_bodies(problem, meshes.build_contact(problem.contact, size_mesh(problem)))
     return solve_load(LoadSolver(problem, model), 0)
 
 
@@ -199,7 +199,7 @@ def test_a_seal_that_grows_evenly_only_changes_its_scale() -> None:
     assert both == pytest.approx(scaled + rigid * way, abs=strain * sagitta)
     # which is what is left out: counted from the seat there is no motion at all
     even = SealProblem.of(heated(temperature={"uniform": "200 degC"}))
-    assert even.at_rest.on(model).opening(model) == pytest.approx(0.0)
+    assert even.at_rest.body_loads(model).opening(model) == pytest.approx(0.0)
 
 
 # ---------------------------------------------------------------- the seal

@@ -59,7 +59,7 @@ def stubborn():
 
 def hang_in(evaluate, how):
     """Make one design never end."""
-    harmless = evaluate.warmed
+    harmless = evaluate.with_contact_temperatures
 
     def armed(case):
         if case.load.applied_force == NEVER:
@@ -84,7 +84,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
 
     before = signal.getsignal(signal.SIGINT)
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "warmed", hang_in(responses, how))
+        patch.setattr(responses, "with_contact_temperatures", hang_in(responses, how))
         result = run_study(study(), folder=tmp_path, workers=0, progress=Lines())
     assert signal.getsignal(signal.SIGINT) is before
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
@@ -124,7 +124,7 @@ def test_the_time_limit_is_a_time():
 @pytest.mark.slow
 @pytest.mark.usefixtures("known_bodies")
 def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr(responses, "warmed", hang_in(responses, wait))
+    monkeypatch.setattr(responses, "with_contact_temperatures", hang_in(responses, wait))
     result = run_study(
         study(optimise={"minimise": "line_load_N_per_m", "trials": 8, "batch": 2, "seed": 3}),
         folder=tmp_path,
@@ -143,7 +143,7 @@ from fem_seal.cli.app import main
 from fem_seal.studies import responses, time_limit
 
 time_limit._INTERVAL = 0.1
-harmless = responses.warmed
+harmless = responses.with_contact_temperatures
 
 def armed(case):
     if case.load.applied_force == {NEVER}:
@@ -154,7 +154,7 @@ def armed(case):
             libc.sleep(1000)
     return harmless(case)
 
-responses.warmed = armed
+responses.with_contact_temperatures = armed
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -213,7 +213,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
         while not free:
             time.sleep(0.1)
 
-    monkeypatch.setattr(responses, "warmed", hang_in(responses, wait_here))
+    monkeypatch.setattr(responses, "with_contact_temperatures", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
     spec = DesignSpec.of(slow_enough)
     with (
@@ -367,7 +367,7 @@ def rougher(path):
 
 @pytest.mark.slow
 def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypatch):
-    harmless = responses.warmed
+    harmless = responses.with_contact_temperatures
     plan, folder = scanned(tmp_path), tmp_path / "out"
 
     def edited(case):
@@ -376,7 +376,7 @@ def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypa
         return harmless(case)
 
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "warmed", edited)
+        patch.setattr(responses, "with_contact_temperatures", edited)
         with pytest.raises(InputError, match=r"a\.csv: was changed or removed while the study ran.*--resume"):
             run_study(plan, folder=folder, workers=0)
     # the design that read the new contents is not kept
@@ -476,7 +476,7 @@ def test_workers_notice_an_edited_file_too(tmp_path):
 )
 def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch, how, search):
     folder, begun = tmp_path / "out", []
-    harmless = responses.warmed
+    harmless = responses.with_contact_temperatures
 
     def armed(case):
         begun.append(case.load.applied_force)
@@ -484,7 +484,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
             how(folder)
         return harmless(case)
 
-    monkeypatch.setattr(responses, "warmed", armed)
+    monkeypatch.setattr(responses, "with_contact_temperatures", armed)
     optimise = {"optimise": {"minimise": "line_load_N_per_m", "trials": 8, "batch": 2}} if search else {}
     with pytest.raises(
         OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, so the study stops"
@@ -494,7 +494,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     # nothing is made where the folder was
     assert not folder.exists()
     if (moved := Path(f"{folder}-moved")).exists():
-        monkeypatch.setattr(responses, "warmed", harmless)
+        monkeypatch.setattr(responses, "with_contact_temperatures", harmless)
         run_study(study(**optimise), folder=moved, workers=0, resume=True)
         assert StudyResult(moved).counts["open"] == 0
 

@@ -53,11 +53,11 @@ SLOW = """
 import time
 from fem_seal.studies import responses
 
-def slow(case, swift=responses.warmed):
+def slow(case, swift=responses.with_contact_temperatures):
     time.sleep(0.1)
     return swift(case)
 
-responses.warmed = slow
+responses.with_contact_temperatures = slow
 """
 COMMAND = """
 import sys
@@ -380,14 +380,14 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
     from fem_seal.studies import responses
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
-    harmless = responses.warmed
+    harmless = responses.with_contact_temperatures
 
     def held(*about, **more):
         begun.set()
         free.wait(PATIENCE)
         return harmless(*about, **more)
 
-    monkeypatch.setattr(responses, "warmed", held)
+    monkeypatch.setattr(responses, "with_contact_temperatures", held)
     with (
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
@@ -472,7 +472,7 @@ def armed(spec, how, deadly):
 def arming(text, how, deadly):
     from fem_seal.studies import responses
 
-    fingerprint, harmless = Arming(text), responses.warmed
+    fingerprint, harmless = Arming(text), responses.with_contact_temperatures
     fingerprint.how, fingerprint.deadly = how, deadly
 
     def deadly_warmed(case):
@@ -482,5 +482,5 @@ def arming(text, how, deadly):
 
     # a scheduler of dask reads it too, in the process of the test
     if parent_process() is not None:
-        responses.warmed = deadly_warmed
+        responses.with_contact_temperatures = deadly_warmed
     return fingerprint
