@@ -86,11 +86,9 @@ def _table_from(surface: RoughContact, of_gas: bool) -> Conductivity:
 def _scale_table(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolate_tables(tables, _on_lattice(member)[1])
-    acts_at = (
-        None
-        if member.equivalent_elastic_surface is None
-        else partial(_equivalent_log_pressure, member, math.log(pressure))
-    )
+    acts_at = None
+    if member.equivalent_elastic_surface is not None:
+        acts_at = partial(_equivalent_log_pressure, member, math.log(pressure))
     return table.with_liquid(table.liquid.scaled(height, pressure, surface, acts_at))
 
 

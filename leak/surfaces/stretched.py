@@ -93,8 +93,8 @@ def _average_nodes(spectrum: PowerSpectrum, root: float) -> FloatArray:
     grid = np.geomspace(q_low, q_high, int(np.ceil(np.log(q_high / q_low) / _SPACING)) + 1)
     steps = _SPACING * 0.5 ** np.arange(12.0)
     kinks = np.array([q_low, spectrum.q_low * root, spectrum.q_high / root, q_high])
-    around_kinks = kinks[:, None] * np.exp(np.concatenate([-steps, [0.0], steps]))
-    return np.unique(np.clip(np.concatenate([grid, around_kinks.ravel()]), q_low, q_high))
+    kink_grid = kinks[:, None] * np.exp(np.concatenate([-steps, [0.0], steps]))
+    return np.unique(np.clip(np.concatenate([grid, kink_grid.ravel()]), q_low, q_high))
 
 
 def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
