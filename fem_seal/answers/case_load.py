@@ -120,7 +120,18 @@ class CaseLoad(LoadResult):
         """
         made = object.__new__(cls)
         vars(made).update(vars(load), scenarios=scenarios or {})
-        return made
+        return made.with_values()
+
+    def with_values(self, **known: object) -> Self:
+        """See `LoadResult.with_values`; the interval follows from what a load knows, and is made anew.
+
+        Parameters
+        ----------
+        known : object
+        """
+        other = super().with_values(**known)
+        vars(other).pop("leak_interval" if "leak_interval" not in known else "", None)
+        return other
 
     def scenario(self, name: str) -> CaseLoad | None:
         """The load in a scenario; itself where it is that one, None where it does not stand beside.
@@ -378,7 +389,7 @@ class CaseLoad(LoadResult):
             known = [*self.sample_ends]
         return Bounds.of([*known, *(self.at_preload_ends or ())])
 
-    @property
+    @cached_property
     def leak_interval(self) -> Bounds | None:
         """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
 

@@ -140,8 +140,8 @@ def coupled_leak_flow(
     # A step must end at the peak, or p_f could not rise to it.
     peak = float(fine[np.argmax(log_p)])
     first_points = np.union1d(_first_steps(profile, fine, log_p, np.log(_TAIL_SHARE * drop), end), peak)
-    liquid = None if pressure_law is None else _ThickLiquid.of(FlowPotential(pressure_law, blow_off))
-    path, total = _Path.of(profile, first_points, liquid), FlowPotential(pressure_law, drop).at_highest
+    liquid = None if pressure_law is None else _ThickLiquid.of(FlowPotential.of(pressure_law, blow_off))
+    path, total = _Path.of(profile, first_points, liquid), FlowPotential.of(pressure_law, drop).at_highest
     log_Q = _flow_for(drop, path, curve, path.guess(total, curve), _ROUGH)
     for _ in range(_MOST_PATHS):
         path = _Path.of(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)

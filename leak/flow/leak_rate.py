@@ -111,7 +111,7 @@ class LiquidPermeant:
         drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
         eta = positive(ProfileError, "viscosity", viscosity, "Pa s")
         sigma = None if conductivity is None else by_log_pressure(conductivity)
-        return cls(drop, sigma, FlowPotential(law, drop), eta, density)
+        return cls(drop, sigma, FlowPotential.of(law, drop), eta, density)
 
     def sigma(self, log_pressure: FloatArray) -> FloatArray:
         """Of the rough contact in the continuum, at ln(p/Pa) of first loading [m^3/(Pa s)]."""

@@ -449,6 +449,21 @@ class FlowPotential:
     law: PressureLaw | None
     highest: float
 
+    @classmethod
+    def of(cls, law: PressureLaw | None, highest: float) -> FlowPotential:
+        """The potential of a law up to a pressure, of equal ones the same, which has its ends already.
+
+        Parameters
+        ----------
+        law, highest
+            As of the class.
+        """
+        try:
+            return _potential(cast(Hashable, law), highest)
+        except TypeError:
+            # somebody's own law, of which equal ones are not known
+            return cls(law, highest)
+
     def __call__(self, pressure: ArrayLike) -> FloatArray:
         """psi at pressures [Pa], shape kept [Pa]."""
         p = np.asarray(pressure, dtype=float)
@@ -514,6 +529,9 @@ class FlowPotential:
         return float(first), float(last)
 
 
+_potential = lru_cache(maxsize=64)(FlowPotential)
+
+
 @lru_cache(maxsize=64)
 def _panels(law: PressureLaw, highest: float) -> tuple[MonotoneCurve, bool]:
     """p over psi at the ends of the panels, and whether the curve between them is as good as it gets."""
@@ -548,7 +566,7 @@ def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> 
     '1.5820'
     """
     drop = positive(FluidError, "pressure_drop", pressure_drop, "Pa")
-    return drop / FlowPotential(law, drop).at_highest
+    return drop / FlowPotential.of(law, drop).at_highest
 
 
 # -------------------------------------------------------------------- tables
