@@ -64,15 +64,15 @@ class ClosureTest:
         """Whether it is a test with gas."""
         return self.medium == "air"
 
-    def pressure(self, rated: float) -> float:
+    def pressure(self, rated_pressure: float) -> float:
         """Pressure difference of the test [Pa].
 
         Parameters
         ----------
-        rated : float
+        rated_pressure : float
             Rated pressure of the valve, set pressure of a relief valve [Pa].
         """
-        return min(self.share * rated, rated - self.below_rated, self.highest_pressure)
+        return min(self.share * rated_pressure, rated_pressure - self.below_rated, self.highest_pressure)
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Standard:
 _DATA = own_tables("leak.fluids", "standards.toml")
 STANDARDS = MappingProxyType(
     {
-        name: Standard(name, **{**data, "tests": tuple(ClosureTest(**one) for one in data.get("tests", ()))})
+        name: Standard(name, **{**data, "tests": tuple(ClosureTest(**row) for row in data.get("tests", ()))})
         for name, data in _DATA["standards"].items()
     }
 )

@@ -28,7 +28,7 @@ _UNIT_LINE = re.compile(
     r"[\[(]?\s*(deg|°|rad|1/0|m|cm|mm|[uµμ]m|nm|k?pa|mpa|gpa|n/mm\^?[2²]|psi|bar)\s*[\])]?$", re.IGNORECASE
 )
 # What stands where there is no number.
-_NOTHING = ("n/a", "#n/a", "na", "bad", "invalid", "null", "nodata", "no data", "nan")
+_EMPTY_WORDS = ("n/a", "#n/a", "na", "bad", "invalid", "null", "nodata", "no data", "nan")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:e[+-]?\d+)?", re.IGNORECASE)
 _FORTRAN = re.compile(r"[+-]?\d*\.?\d+\.?D[+-]?\d+", re.IGNORECASE)
 # Characters of a row of a table with a few columns, and lines in which its layout and its header are looked for.
@@ -167,7 +167,7 @@ def number_of(cell: str, *, commas: bool = False) -> float | None:
             return number_of(cell.replace(",", "."))
         if _FORTRAN.fullmatch(cell):
             return number_of(re.sub("[dD]", "e", cell))
-        is_empty = not any(sign.isalnum() for sign in cell) or cell.lower() in _NOTHING
+        is_empty = not any(sign.isalnum() for sign in cell) or cell.lower() in _EMPTY_WORDS
         return math.nan if is_empty else None
     if "_" in cell:
         return None

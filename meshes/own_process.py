@@ -70,10 +70,10 @@ def run_in_subprocess(
     except OSError as error:
         raise OwnProcessError(f"no process could be started: {error}") from None
     try:
-        succeeded, reply = pickle.loads(process.stdout)
+        has_result, reply = pickle.loads(process.stdout)
     except (pickle.UnpicklingError, EOFError):
         raise OwnProcessError(_death(process)) from None
-    if not succeeded:
+    if not has_result:
         raise reply
     result: T = reply
     return result

@@ -18,7 +18,7 @@ from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
 from leak.extras import say_missing
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
-from meshes.drawings.halved import profile_of
+from meshes.drawings.half_section import profile_of
 from meshes.errors import mm
 from meshes.geometry.curve import Point
 

@@ -64,9 +64,9 @@ class PressedPatch(NamedTuple):
         """
         flow = periodic_flow if periodic else patch_flow
         p, gap = state.pressure, state.gap
-        widened = gap if flight is None else rarefied_gap(gap, flight)
+        wide_gap = gap if flight is None else rarefied_gap(gap, flight)
         plastic_share = 0.0 if hardness is None else float(np.mean(p >= hardness))
-        flow_x, flow_y = flow(widened).gap_cubed, flow(np.ascontiguousarray(widened.T)).gap_cubed
+        flow_x, flow_y = flow(wide_gap).gap_cubed, flow(np.ascontiguousarray(wide_gap.T)).gap_cubed
         return cls(float(np.mean(p > 0.0)), plastic_share, float(gap.mean()), flow_x, flow_y)
 
 

@@ -15,7 +15,7 @@ from leak.standards import STANDARD_PRESSURE
 
 PREFIX = "CoolProp:"
 # Tables over pressure: the highest [Pa], number of values, and the fewest that are of use.
-_HIGHEST, _PRESSURES, _FEWEST = 1e9, 81, 4
+_HIGHEST_PRESSURE, _PRESSURES, _FEWEST = 1e9, 81, 4
 _HIGHEST_OF_GAS, _PRESSURES_OF_GAS = 3e8, 161
 # Pressure at which a gas is dilute for any purpose.
 _DILUTE = 1000.0
@@ -50,7 +50,7 @@ def _pressure_law(fluid: str, T: float, pressure: float) -> PressureTable | None
     """Viscosity and density up to where the package knows them or the liquid freezes; None if they end soon."""
     package = _package(fluid)
     first = [package.PropsSI(key, "T", T, "P", pressure, fluid) for key in ("V", "D")]
-    most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST) - pressure
+    most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST_PRESSURE) - pressure
     p = np.linspace(0.0, most, _PRESSURES)
     values = _known_range(package, fluid, T, pressure + p[1:])
     if len(values) + 1 < _FEWEST:

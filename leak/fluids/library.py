@@ -397,7 +397,7 @@ def is_liquid(name: str) -> bool:
 
 
 _GASES = {entry.name: entry for entry in GAS_ENTRIES}
-_SHORT = {word: name for name, data in _DATA["gases"].items() for word in data.get("synonyms", ())}
+_SHORT_NAMES = {word: name for name, data in _DATA["gases"].items() for word in data.get("synonyms", ())}
 
 
 def gas(name: str, temperature: float = ROOM_TEMPERATURE) -> Gas:
@@ -424,7 +424,7 @@ def gas(name: str, temperature: float = ROOM_TEMPERATURE) -> Gas:
         from leak.fluids.coolprop import coolprop_gas
 
         return coolprop_gas(str(name), temperature)
-    return _GASES[known_name(name, _GASES, _SHORT)].at(temperature)
+    return _GASES[known_name(name, _GASES, _SHORT_NAMES)].at(temperature)
 
 
 def is_gas(name: str) -> bool:
@@ -437,7 +437,7 @@ def is_gas(name: str) -> bool:
     (True, False)
     """
     key = str(name).strip().lower()
-    return key in _GASES or key in _SHORT
+    return key in _GASES or key in _SHORT_NAMES
 
 
 # -------------------------------------------------------------------- what else is known

@@ -418,7 +418,7 @@ def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
 # reach up to a power of two to this step, so that neighbouring pressures share them.
 _PANELS, _POINTS, _STEP = 112, 6, 0.25
 # Newton's method doubles the digits: a step of this share of the highest pressure leaves round-off.
-_NEWTON_CLOSE, _EXACT = 1e-9, 1e-14
+_NEWTON_CLOSE, _EXACT_SHARE = 1e-9, 1e-14
 # A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and
 # psi is too large by no more than 1e-9 of the pressure.
 _LEAST_MOBILITY = 1e-9
@@ -476,8 +476,8 @@ class FlowPotential:
         half = 0.5 * (p_in - at[k])
         mobility = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
         first, last = self._ends
-        outside = np.maximum(p - self.highest, 0.0) * last + np.minimum(p, 0.0) * first
-        return np.asarray(psi[k] + half * (mobility @ weights) + outside)
+        straight = np.maximum(p - self.highest, 0.0) * last + np.minimum(p, 0.0) * first
+        return np.asarray(psi[k] + half * (mobility @ weights) + straight)
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of psi [Pa], shape kept [Pa]."""
@@ -543,7 +543,7 @@ def _panels(law: PressureLaw, highest: float) -> tuple[MonotoneCurve, bool]:
     middle = 0.5 * (at[:-1] + at[1:])
     first_half = 0.5 * (at[:-1, None] + p)
     psi_middle = psi[:-1] + 0.5 * np.vecdot(_mobility(law, first_half), weight)
-    is_exact = bool(np.abs(inverse.value(psi_middle) - middle).max() < _EXACT * highest)
+    is_exact = bool(np.abs(inverse.value(psi_middle) - middle).max() < _EXACT_SHARE * highest)
     return inverse, is_exact
 
 

@@ -30,7 +30,7 @@ from leak.surfaces.self_affine_fit import RollOff, fit_rolloff
 # Nodes of the spectrum per decade of q, and how far the fit looks beyond the shortest wave: oblique waves that are
 # shorter show up in a line scan, too.
 _PER_DECADE = 10
-_BEYOND = 10.0
+_REACH_BEYOND = 10.0
 _FINE = 0.02
 
 
@@ -69,9 +69,9 @@ def estimate(scans: Sequence[Topography], settings: ScanSettings) -> Estimate:
     waves = tuple(periodogram(scan, settings.window) for scan in flat)
     ranges = tuple(reliable_range(scan, modes, settings) for scan, modes in zip(flat, waves, strict=True))
     variances = np.array([float(np.mean(scan.heights**2)) for scan in flat])
-    measured, log_error, rolloff = _spectrum(waves, ranges, variances)
-    continued = _continue_ends(measured, settings.extrapolation)
-    return Estimate(measured, continued, log_error, rolloff, outliers, flat, waves, ranges, variances)
+    nodes, log_error, rolloff = _spectrum(waves, ranges, variances)
+    nodes_with_ends = _continue_ends(nodes, settings.extrapolation)
+    return Estimate(nodes, nodes_with_ends, log_error, rolloff, outliers, flat, waves, ranges, variances)
 
 
 def _continue_ends(nodes: Nodes, by: Literal["cut"] | SelfAffineContinuation) -> Nodes:
@@ -109,7 +109,7 @@ def _spectrum(
     low, high = min(r.q_low for r in ranges), max(r.q_high for r in ranges)
     count = max(round(_PER_DECADE * np.log10(high / low)), 3)
     step = np.log(high / low) / count
-    nodes = low * np.exp(step * np.arange(count + 1 + round(np.log(_BEYOND) / step)))
+    nodes = low * np.exp(step * np.arange(count + 1 + round(np.log(_REACH_BEYOND) / step)))
     pieces = max(round(step / _FINE), 1)
     edges = low * np.exp(step / pieces * np.arange(pieces * (nodes.size - 1) + 1))
     bins = [
@@ -148,7 +148,7 @@ _RISE = 0.4
 # The variance of the scans is known better than any single long wave: to this relative accuracy.
 _VARIANCE = 2e-3
 _MOST_STEPS = 200
-_CONVERGED = 1e-6
+_LEAST_GAIN = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +205,7 @@ def fit_spectrum(
         step = -np.linalg.solve(state.curvature, state.gradient)
         step *= min(1.0, 3.0 / float(np.abs(step).max()))
         expected_gain = -float(state.gradient @ step)
-        if expected_gain < _CONVERGED:
+        if expected_gain < _LEAST_GAIN:
             break
         for fraction in 0.5 ** np.arange(12):
             trial = terms(log_C + fraction * step)
@@ -304,7 +304,7 @@ def _hat_functions(log_q: FloatArray, log_nodes: FloatArray) -> FloatArray:
 _BINS_PER_DECADE = 10
 # Waves this weak against the strongest one are not there at all; and where the mean power in bins falls by more than
 # this from one to the next, never to return, the heights were filtered or calculated.
-_NOTHING, _SHARP = 1e-9, 1e-3
+_NO_POWER, _SHARP = 1e-9, 1e-3
 # A spectrum needs two octaves.
 _LEAST_RANGE = 4.0
 
@@ -321,7 +321,7 @@ class ReliableRange:
 def reliable_range(scan: Topography, modes: Periodogram, settings: ScanSettings) -> ReliableRange:
     """Wavenumbers that a scan without form can tell; ScanError if they span less than two octaves."""
     limits = {"sampling": np.pi / scan.resolution}
-    present = np.flatnonzero(modes.power > _NOTHING * modes.power.max())
+    present = np.flatnonzero(modes.power > _NO_POWER * modes.power.max())
     end = _sharp_end(modes)
     if end is not None:
         limits["no shorter waves in the data"] = end

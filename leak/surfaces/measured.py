@@ -171,7 +171,7 @@ def measure(
 # -------------------------------------------------------------------- key figures and remarks
 
 # Heights further than this from a Gaussian distribution are far from it: the theory is for Gaussian surfaces.
-_SKEWED, _FLAT_TOPPED, _PEAKED = 1.0, 2.0, 5.0
+_LARGE_SKEWNESS, _LOW_KURTOSIS, _HIGH_KURTOSIS = 1.0, 2.0, 5.0
 # A parabola that carries more than this share of the variance is form, not roughness.
 _FORM = 0.5
 # A single wave with more than this share of the variance, and at least this many periods in the scan, is a lay.
@@ -182,9 +182,9 @@ _SCATTER = 4.0
 _LAY = 1.5
 # Scans are too short for their roll-off if the rms height of the surface is not known to this factor from one end of
 # its interval to the other, and long enough with so many waves.
-_TOO_SHORT, _ENOUGH = 1.8, 20
+_TOO_SHORT, _ENOUGH_WAVES = 1.8, 20
 # A variance cut away that engineers would see in the rms height.
-_CUT = 0.01
+_CUT_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -248,7 +248,7 @@ def remarks_on_shape(
 ) -> tuple[str, ...]:
     """What speaks against using the spectrum of these scans as if the surface were Gaussian and isotropic."""
     remarks = [f"{scan.name}: {remark}" if scan.name else remark for scan in scans for remark in scan.remarks]
-    if abs(skewness) > _SKEWED or not _FLAT_TOPPED <= kurtosis <= _PEAKED:
+    if abs(skewness) > _LARGE_SKEWNESS or not _LOW_KURTOSIS <= kurtosis <= _HIGH_KURTOSIS:
         remarks.append(_remark("not_gaussian", skewness=skewness, kurtosis=kurtosis))
     remarks += _on_outliers(scans, settings, outliers)
     form = max(_parabola_share(scan) for scan in scans)
@@ -257,15 +257,15 @@ def remarks_on_shape(
     for scan, scan_modes in zip(scans, modes, strict=True):
         shares = scan_modes.shares / scan_modes.shares.sum()
         # a window spreads one wave over neighbouring modes
-        merged = np.convolve(shares, np.ones(3), mode="same") if scan_modes.dimension == 1 else shares
+        powers = np.convolve(shares, np.ones(3), mode="same") if scan_modes.dimension == 1 else shares
         if shares.size < _FEWEST_WAVES:
             continue
-        merged = np.where(scan_modes.wavenumber >= _PERIODS * scan_modes.step.min(), merged, 0.0)
-        strongest = int(np.argmax(merged))
-        if merged[strongest] > _ONE_WAVE:
+        powers = np.where(scan_modes.wavenumber >= _PERIODS * scan_modes.step.min(), powers, 0.0)
+        strongest = int(np.argmax(powers))
+        if powers[strongest] > _ONE_WAVE:
             length = um(2 * np.pi / scan_modes.wavenumber[strongest])
             remarks.append(
-                _remark("one_wave", scan=scan.name or "scan", length=length, share=merged[strongest])
+                _remark("one_wave", scan=scan.name or "scan", length=length, share=powers[strongest])
             )
     if lay is not None and lay.ratio > max(_LAY, lay.chance):
         remarks.append(_remark("lay", ratio=lay.ratio, across=1.0 / lay.ratio))
@@ -302,7 +302,7 @@ def remarks_on_range(
         else:
             wave = 2.0 * np.pi / rolloff.wavenumber
             holds = _remark("few_waves", waves=total / wave, wave=_length(wave))
-            remedy = _remark("more_waves", length=_length(_ENOUGH * wave))
+            remedy = _remark("more_waves", length=_length(_ENOUGH_WAVES * wave))
         remarks.append(
             _remark(
                 "too_short",
@@ -321,7 +321,7 @@ def remarks_on_range(
         hurst = fitted_hurst if fitted_hurst is not None and 0.0 < fitted_hurst <= 1.0 else 0.8
         shortest = _length(2 * np.pi / finest.q_high)
         remarks.append(_remark("too_coarse", wave=shortest, limit=finest.limit, hurst=hurst, end=end))
-    if height_above > _CUT:
+    if height_above > _CUT_SHARE:
         remarks.append(_remark("cut", share=height_above))
     return tuple(remarks)
 

@@ -111,7 +111,7 @@ def _window(n: int, window: Window) -> FloatArray:
     return (1.0 - np.cos(2.0 * np.pi * (np.arange(n) + 0.5) / n)) / np.sqrt(1.5)
 
 
-def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evidence:
+def evidence(modes: Periodogram, edges: FloatArray, piece_edges: FloatArray) -> Evidence:
     """Bin a periodogram and say what a spectrum would give in each bin.
 
     Parameters
@@ -119,7 +119,7 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     modes : Periodogram
     edges : ndarray
         Edges of the bins [1/m]; modes outside are left out, bins without modes too.
-    beyond : ndarray
+    piece_edges : ndarray
         Edges of the pieces of C that a line scan sees, over all wavenumbers [1/m].
     """
     places = np.flatnonzero(
@@ -131,7 +131,7 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     # correlated only with those modes that are in the same bin
     correlation = (_CORRELATION[modes.window] - 1.0) * (1.0 - 1.0 / count) + 1.0
     build = _line_weights if modes.dimension == 1 else _map_weights
-    samples, weights = build(modes, groups, beyond)
+    samples, weights = build(modes, groups, piece_edges)
     return Evidence(
         np.array([modes.wavenumber[group].mean() for group in groups]),
         np.array([modes.power[group].mean() for group in groups]),

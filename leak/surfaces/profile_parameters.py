@@ -189,7 +189,7 @@ _ALPHA = math.sqrt(math.log(2.0) / math.pi)
 # The weighting function ends where it is this small.
 _REACH = 1.0
 # At each end of a scan this share of lambda_c is left out: there the filter has one side only.
-_RUN = 0.5
+_RUN_IN = 0.5
 # Points that the shortest filter must see in its cutoff.
 _FEWEST_IN_CUTOFF = 2.0
 # Lines of a map that are evaluated at most.
@@ -272,13 +272,13 @@ def roughness_parameters(
     if band is not None:
         return _parameters_across(scans, band)
     # each pass may ask for a longer cutoff; a scan too short for it ends the search
-    found = _parameters_across(scans, implied_filter("Ra", 1e-9))
+    parameters = _parameters_across(scans, implied_filter("Ra", 1e-9))
     for _ in range(5):
-        wanted = implied_filter("Ra", max(found.Ra, 1e-12))
-        if wanted.lambda_c <= found.filter.lambda_c:
+        longer = implied_filter("Ra", max(parameters.Ra, 1e-12))
+        if longer.lambda_c <= parameters.filter.lambda_c:
             break
-        found = _parameters_across(scans, wanted)
-    return found
+        parameters = _parameters_across(scans, longer)
+    return parameters
 
 
 def _parameters_across(scans: Sequence[Topography], band: ProfileFilter) -> RoughnessParameters:
@@ -329,7 +329,7 @@ def _evaluate(heights: FloatArray, step: float, band: ProfileFilter) -> Roughnes
         band = ProfileFilter(band.lambda_c)
     profile = filtered_profile(heights, step, band)
     # where not even two points lie within the cutoff there is no section
-    run, section = round(_RUN * band.lambda_c / step), max(round(band.lambda_c / step), 1)
+    run, section = round(_RUN_IN * band.lambda_c / step), max(round(band.lambda_c / step), 1)
     count = (profile.size - 2 * run) // section
     if count < 1:
         remarks.append(
@@ -337,27 +337,27 @@ def _evaluate(heights: FloatArray, step: float, band: ProfileFilter) -> Roughnes
             f"{band.lambda_c * 1e3:.3g} mm between run-in and run-out: the values are those of the whole scan and too "
             "small"
         )
-        evaluated, parts = profile, [profile]
+        heights_used, parts = profile, [profile]
     else:
         count = min(count, SECTIONS)
         start = (profile.size - count * section) // 2
-        evaluated = profile[start : start + count * section]
-        parts = list(evaluated.reshape(count, section))
+        heights_used = profile[start : start + count * section]
+        parts = list(heights_used.reshape(count, section))
         if count < SECTIONS:
             remarks.append(
                 f"the scan holds {count} of the {SECTIONS} sections of {band.lambda_c * 1e3:.3g} mm"
             )
-    evaluated = evaluated - evaluated.mean()
-    Rq = float(np.sqrt(np.mean(evaluated**2)))
+    heights_used = heights_used - heights_used.mean()
+    Rq = float(np.sqrt(np.mean(heights_used**2)))
     return RoughnessParameters(
-        float(np.mean(np.abs(evaluated))),
+        float(np.mean(np.abs(heights_used))),
         Rq,
         float(np.mean([part.max() - part.min() for part in parts])),
-        float(np.mean(evaluated**3)) / Rq**3 if Rq > 0.0 else math.nan,
-        float(np.mean(evaluated**4)) / Rq**4 if Rq > 0.0 else math.nan,
+        float(np.mean(heights_used**3)) / Rq**3 if Rq > 0.0 else math.nan,
+        float(np.mean(heights_used**4)) / Rq**4 if Rq > 0.0 else math.nan,
         band,
         max(count, 0),
-        evaluated.size * step,
+        heights_used.size * step,
         1,
         tuple(remarks),
     )

@@ -63,7 +63,7 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
 
 
 # Wavenumbers over which the square of a profile's spectrum is summed.
-_SUMMED = 2000
+_SUM_NODES = 2000
 
 
 def height_scatter(spectrum: PowerSpectrum, length: float) -> float:
@@ -90,7 +90,7 @@ def height_scatter(spectrum: PowerSpectrum, length: float) -> float:
     >>> round(short, 3), round(short / long, 9)
     (0.093, 2.0)
     """
-    q = np.concatenate([[0.0], np.geomspace(1e-2 * spectrum.q_low, spectrum.q_high, _SUMMED)])
+    q = np.concatenate([[0.0], np.geomspace(1e-2 * spectrum.q_low, spectrum.q_high, _SUM_NODES)])
     C = np.asarray(profile_density(spectrum, q))
     return math.sqrt(math.pi / (2.0 * length) * np.trapezoid(C**2, q)) / float(np.trapezoid(C, q))
 

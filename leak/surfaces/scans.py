@@ -27,7 +27,7 @@ _SMALLEST, _LARGEST = 1e-15, 100.0
 # Positions closer than this share of the length are the same place.
 _CLOSE = 1e-12
 # Positions this far off an even grid, in units of its spacing, move no height.
-_EVEN = 1e-3
+_EVEN_OFFSET = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,7 +277,7 @@ def _is_even(x: FloatArray, spacing: float) -> bool:
     i = np.arange(n) - 0.5 * (n - 1)
     slope = float(i @ x / (i @ i))
     deviation = float(np.abs(x - x.mean() - slope * i).max())
-    return deviation <= _EVEN * spacing or deviation <= 0.6 * _find_rounding(x, 0.9 * spacing)
+    return deviation <= _EVEN_OFFSET * spacing or deviation <= 0.6 * _find_rounding(x, 0.9 * spacing)
 
 
 def _find_rounding(x: FloatArray, limit: float) -> float:
@@ -319,9 +319,9 @@ OUTLIERS: tuple[str, ...] = get_args(Outliers)
 # A point is compared with those at these distances to both sides, in points: an outlier may be as wide.
 _DISTANCES = (1, 2, 4, 8)
 # Standard deviations of such steps from which on a point stands alone.
-_ALONE = 6.0
+_LONE_STEP = 6.0
 # More than this share of all points is not an outlier but the surface.
-_MOST = 0.01
+_MOST_OUTLIERS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -361,7 +361,7 @@ def find_outliers(scan: Topography) -> FoundOutliers:
         least = np.min(np.abs(sides), axis=0)
         excess = np.where(least > np.abs(excess), np.copysign(least, sides[0]), excess)
     points = excess != 0.0
-    if points.mean() > _MOST:
+    if points.mean() > _MOST_OUTLIERS:
         points[...], excess[...] = False, 0.0
     places, count = label(points, np.ones((3,) * points.ndim, bool))
     pits = np.unique(places[points & (excess < 0.0)]).size
@@ -396,7 +396,7 @@ def _height_over_both(heights: FloatArray, distance: int, axis: int) -> FloatArr
         deviation = float(np.median(np.abs(steps))) / 0.6745
         step_in, step_out = steps[:-distance], -steps[distance:]
         nearer = np.where(np.abs(step_in) < np.abs(step_out), step_in, step_out)
-        alone = (step_in * step_out > 0.0) & (np.abs(nearer) > _ALONE * deviation) & (deviation > 0.0)
+        alone = (step_in * step_out > 0.0) & (np.abs(nearer) > _LONE_STEP * deviation) & (deviation > 0.0)
         excess[distance:-distance] = np.where(alone, nearer, 0.0)
     return np.moveaxis(excess, 0, axis)
 

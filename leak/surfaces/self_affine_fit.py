@@ -22,10 +22,10 @@ CONFIDENCE = 0.9
 _ENDS = (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE)
 
 # Above this share of the last wavenumber sampled heights hold waves that are shorter still (aliasing).
-_TRUSTED = 0.5
+_TRUSTED_SHARE = 0.5
 # Shortest self-affine part, lengths of the shoulder that are tried, and how far below the range a roll-off may lie, all
 # in ln q; of the nodes every second one is tried as the end of the self-affine part.
-_SHORTEST, _SHOULDERS, _BELOW, _EVERY = np.log(4.0), (0.0, np.log(3.0), np.log(9.0)), np.log(4.0), 2
+_SHORTEST, _SHOULDERS, _REACH_BELOW, _STRIDE = np.log(4.0), (0.0, np.log(3.0), np.log(9.0)), np.log(4.0), 2
 # Where the slopes of ln C over ln q are expected, shoulder, self-affine part and behind, and how far off they may be.
 _SLOPES, _SPREADS = np.array([-1.5, -3.4, -6.0]), np.array([1.5, 1.0, 6.0])
 # A self-affine part falls between these two slopes; a filter behind it falls more, noise less. The shoulder does not
@@ -34,7 +34,7 @@ _LEAST_FALL, _MOST_FALL, _BEND = -2.0, -4.2, 0.2
 # What the likelihood does not know, found from synthetic scans: through the window waves of neighbouring bins are
 # correlated; and waves beyond the end of the data may be missing, of which oblique ones show up at longer
 # waves, the more the less the spectrum falls. Factor on the error of the exponent, and part of it over 1 - H.
-_CORRELATED, _MISSING = 1.2, 0.04
+_CORRELATION, _MISSING_SHARE = 1.2, 0.04
 # A Hurst exponent whose interval is wider than this says nothing.
 _WIDEST = 0.4
 # Mean square deviation of the power from the line, over that of chance, from which on there is no such line.
@@ -43,7 +43,7 @@ _NO_LINE = 4.0
 _TOO_LOW = 2.5
 # C is taken as constant over this many of the pieces of the evidence.
 _COARSER = 3
-_MOST_STEPS, _LONGEST_STEP, _CONVERGED, _USABLE = 30, 2.0, 1e-4, 0.05
+_MOST_STEPS, _LONGEST_STEP, _CLOSE_STEP, _USABLE = 30, 2.0, 1e-4, 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane,
     J. Am. Stat. Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
     """
-    trusted_bins = pool_scans([_trusted_bins(scan, _TRUSTED * nodes[-1]) for scan in evidence])
+    trusted_bins = pool_scans([_trusted_bins(scan, _TRUSTED_SHARE * nodes[-1]) for scan in evidence])
     lines = _Lines.through(np.log(nodes), trusted_bins)
     waves = _scatter_of_waves(evidence)
     if lines is None:
@@ -131,8 +131,8 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
         return RollOff(None, float(nodes[0]), float(nodes[-1]), None, None, None, height)
     low, high = np.log(nodes[0]), np.log(nodes[-1])
     best = int(np.argmax(lines.weight))
-    hurst, error = -0.5 * lines.slopes[:, 1] - 1.0, 0.5 * _CORRELATED * np.sqrt(lines.covariance[:, 2, 2])
-    error = np.hypot(error, _MISSING * np.maximum(1.0 - hurst, 0.0))
+    hurst, error = -0.5 * lines.slopes[:, 1] - 1.0, 0.5 * _CORRELATION * np.sqrt(lines.covariance[:, 2, 2])
+    error = np.hypot(error, _MISSING_SHARE * np.maximum(1.0 - hurst, 0.0))
     value, probability = _mixture(lines.weight, hurst, error)
     ends = np.interp(_ENDS, probability, value)
     is_narrow = bool(ends[1] - ends[0] <= _WIDEST)
@@ -249,14 +249,14 @@ class _Lines:
         total = weight.sum(axis=1)
         gradient = np.einsum("lx,lxk->lk", weight / total[:, None], basis)
         error = np.sqrt(np.einsum("lj,ljk,lk->l", gradient, self.covariance, gradient))
-        return 0.5 * np.log(2.0 * np.pi * total), 0.5 * _CORRELATED * error
+        return 0.5 * np.log(2.0 * np.pi * total), 0.5 * _CORRELATION * error
 
 
 def _places(x: FloatArray) -> FloatArray:
     """Where the pieces may meet: start, corner and end in ln q, shape (lines, 3)."""
-    step, last = x[1] - x[0], x[-1] + np.log(_TRUSTED)
-    x_below = x[0] - step * np.arange(int(_BELOW / step), 0, -1)
-    starts, ends = np.concatenate([x_below, x[:-1]]), np.append(x[::-1][1::_EVERY], np.inf)
+    step, last = x[1] - x[0], x[-1] + np.log(_TRUSTED_SHARE)
+    x_below = x[0] - step * np.arange(int(_REACH_BELOW / step), 0, -1)
+    starts, ends = np.concatenate([x_below, x[:-1]]), np.append(x[::-1][1::_STRIDE], np.inf)
     start, shoulder, end = (
         values.ravel() for values in np.meshgrid(starts, np.array(_SHOULDERS), ends, indexing="ij")
     )
@@ -296,7 +296,7 @@ def _most_likely(
         step = np.linalg.solve(curvature[active], gradient[..., None])[..., 0]
         longest[active] = np.abs(step).max(axis=1)
         # most lines need a few steps, the last of them some twenty
-        is_far = longest[active] >= _CONVERGED
+        is_far = longest[active] >= _CLOSE_STEP
         if not is_far.any():
             break
         active, step = active[is_far], step[is_far]
@@ -321,8 +321,8 @@ def _likelihood(
         power = np.maximum(C @ scan.weights.T, np.finfo(float).tiny)
         # of the power's logarithm; the level raises all of it alike
         slope = np.ones((len(values), 4, power.shape[1]))
-        weighted = (C[:, None, :] * basis[:, 1:]).reshape(-1, C.shape[1]) @ scan.weights.T
-        slope[:, 1:] = weighted.reshape(len(values), 3, -1) / power[:, None, :]
+        slope_power = (C[:, None, :] * basis[:, 1:]).reshape(-1, C.shape[1]) @ scan.weights.T
+        slope[:, 1:] = slope_power.reshape(len(values), 3, -1) / power[:, None, :]
         ratio = np.minimum(scan.density / power, 1e30)
         n = scan.freedom
         cost += np.sum(n * (np.log(power / scan.density) + ratio - 1.0), axis=1)

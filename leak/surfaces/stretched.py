@@ -15,7 +15,7 @@ from leak.surfaces.spectrum import PowerSpectrum
 _SPACING, _PIECE = 0.02, 0.4
 _ANGLE_NODES = 8
 # The two spectra are compared on this many wavenumbers, over stretches of at most this factor.
-_COMPARED, _MOST_STRETCHED = 200, 1000.0
+_COMPARED_NODES, _MOST_STRETCHED = 200, 1000.0
 # At least this much of ln q must remain common to both.
 _LEAST_OVERLAP = 1.0
 
@@ -172,10 +172,10 @@ def _mismatch(along: PowerSpectrum, across: PowerSpectrum, log_gamma: FloatArray
     gamma = np.exp(log_gamma)
     low, high = np.maximum(along.q_low, across.q_low / gamma), np.minimum(along.q_high, across.q_high / gamma)
     inset = 1e-12 * (high - low)
-    log_q = np.linspace(np.log(low + inset), np.log(high - inset), _COMPARED, axis=-1)
+    log_q = np.linspace(np.log(low + inset), np.log(high - inset), _COMPARED_NODES, axis=-1)
     shift = log_gamma[:, None]
     log_ratio = 2.0 * shift + across.log_density(log_q + shift) - along.log_density(log_q)
-    return np.asarray(np.vecdot(log_ratio, log_ratio) / _COMPARED)
+    return np.asarray(np.vecdot(log_ratio, log_ratio) / _COMPARED_NODES)
 
 
 def _join_means(first: PowerSpectrum, second: PowerSpectrum) -> PowerSpectrum:

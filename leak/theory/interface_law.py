@@ -36,19 +36,19 @@ from leak.surfaces.spectrum import PowerSpectrum
 # Places in ln p, relative to E* h', closest at the upper end; fewer and the gap errs by more than 1e-4 h_rms.
 _LOWEST, _HIGHEST, _POINTS, _STRETCH = -45.0, 2.5, 320, 3.0
 # The first band, as a share of the mean square slope; the hard wall before it is forgotten by 1e-3.
-_FIRST = 1e-5
+_FIRST_BAND = 1e-5
 # Steps in ln q, between kinks, at which m is tabulated; closer toward the shortest waves, where it all begins.
-_STEP, _CLOSEST = 0.02, 1e-7
+_STEP, _CLOSEST_STEP = 0.02, 1e-7
 # A stretch of a whole number of steps has so many, whatever its rounding.
 _SLACK = 1e-6
 # Longest steps of the integration in ln m and in ln q: the gap errs by 1e-5 h_rms.
 _IN_M, _IN_Q = 0.1, 0.2
 # A spectrum of more points has no kinks that a step should end at.
-_FEW = 10
+_FEW_POINTS = 10
 # Far below u^2 is linear in ln p: places there, each this much further than the one before, to gaps of 140 h_rms.
 _FURTHER, _FURTHEST = 1.15, 1e4
 # Below this gap over h_rms a surface is flat for any purpose.
-_CLOSED = 1e-7
+_CLOSED_GAP = 1e-7
 
 
 @lru_cache(maxsize=64)
@@ -134,8 +134,8 @@ def _of_shape(spectrum: PowerSpectrum) -> RoughSurfaceLaw:
     u = stiff_steps(rate, jacobian, _places_in_m(spectrum, log_q, log_m), 0.5 * np.log1p(closing))
     if not np.isfinite(u).all():
         raise SurfaceError(f"gap law: no solution (spectrum with h_rms = {height:g} m, slope {slope:g})")
-    open_ = u > _CLOSED
-    y, u = y[open_], u[open_]
+    is_open = u > _CLOSED_GAP
+    y, u = y[is_open], u[is_open]
     decay = -spline_slopes(y, u)
     y_below = y[0] * _FURTHER ** np.arange(np.log(_FURTHEST / -y[0]) / np.log(_FURTHER), 0.0, -1.0)
     wide_u = np.sqrt(u[0] ** 2 + 2.0 * u[0] * decay[0] * (y[0] - y_below))
@@ -153,7 +153,7 @@ def _places() -> FloatArray:
 def _places_in_m(spectrum: PowerSpectrum, log_q: FloatArray, log_m: FloatArray) -> FloatArray:
     """ln m at which steps of the integration end: each changes ln m and ln q by little, and some end at kinks."""
     way = np.concatenate([[0.0], np.cumsum(np.diff(log_m) / _IN_M - np.diff(log_q) / _IN_Q)])
-    kinks = np.log(spectrum.wavenumber) if spectrum.wavenumber.size <= _FEW else np.empty(0)
+    kinks = np.log(spectrum.wavenumber) if spectrum.wavenumber.size <= _FEW_POINTS else np.empty(0)
     ends = np.unique(np.concatenate([way[[0, -1]], np.interp(-kinks, -log_q, way)]))
     return np.unique(np.interp(divide_stretches(ends, 1.0, _SLACK), way, log_m))
 
@@ -162,13 +162,13 @@ def _bands(spectrum: PowerSpectrum) -> tuple[FloatArray, FloatArray]:
     """ln q, falling, and ln(m/h_rms^2) of all waves above it, rising; from the first band on."""
     kinks = np.log(spectrum.wavenumber)
     grid = divide_stretches(kinks, _STEP, _SLACK)
-    log_q = np.unique(np.concatenate([grid, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
+    log_q = np.unique(np.concatenate([grid, kinks[-1] - np.geomspace(_CLOSEST_STEP, _STEP, 30)]))
     log_q = log_q[log_q >= kinks[0]]
     q = np.exp(log_q)
     m = spectrum.height_variance_above(q) / spectrum.rms_height**2
     steep = spectrum.slope_moment(q) / spectrum.whole_moment
     # the last place before less than `_FIRST` of the slope is above
-    last = max(int(np.searchsorted(steep, 1.0 - _FIRST)) - 1, 0)
+    last = max(int(np.searchsorted(steep, 1.0 - _FIRST_BAND)) - 1, 0)
     log_q, m = log_q[last::-1], m[last::-1]
     is_rising = np.concatenate([[True], np.diff(m) > 0.0])
     return log_q[is_rising], np.log(m[is_rising])

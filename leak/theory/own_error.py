@@ -30,7 +30,7 @@ YIELDING_SPREAD = 0.15
 # half a decade apart have a correlation of 0.77, one apart 0.47, 1.5 apart 0.18 and two apart none.
 BELONG_TOGETHER = 0.77
 # A_c/A0 of direct simulation, and the largest share of it that the rows fitted to reach.
-_THRESHOLD, _CLOSEST = 0.42, 0.9
+_THRESHOLD, _CLOSEST_AREA = 0.42, 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class FlowError:
 
 def closing_ratio(contact_area: ArrayLike) -> FloatArray:
     """X = A/(A_c - A), as far as there are direct simulations."""
-    share = np.clip(np.asarray(contact_area, dtype=float) / _THRESHOLD, 0.0, _CLOSEST)
+    share = np.clip(np.asarray(contact_area, dtype=float) / _THRESHOLD, 0.0, _CLOSEST_AREA)
     return np.asarray(share / (1.0 - share))
 
 

@@ -79,7 +79,7 @@ def _integral_above(k: FloatArray, dk: FloatArray) -> FloatArray:
 
 
 # Up to so many the C library is as fast; importing scipy.special takes as long as reading a whole case.
-_FEW = 128
+_FEW_NUMBERS = 128
 
 
 def erf(x: ArrayLike) -> FloatArray:
@@ -102,7 +102,7 @@ def erf(x: ArrayLike) -> FloatArray:
     [0.0, 0.5205]
     """
     numbers = np.asarray(x, dtype=float)
-    if numbers.size > _FEW:
+    if numbers.size > _FEW_NUMBERS:
         from scipy.special import erf as erf_of_many
 
         return np.asarray(erf_of_many(numbers))
@@ -114,9 +114,9 @@ _SMALLEST_STEP = 1e-9
 # Gauss points of a part over which things change by L e-folds: 1 + this times L^0.7, found by doubling them.
 _POINTS = 3.0
 # G/sigma_P^2 where C_pl begins to leave C and where it has nearly gone.
-_YIELDING = (0.03, 0.3, 1.2)
+_YIELD_VARIANCES = (0.03, 0.3, 1.2)
 _LOG_KERNEL_END, _LOG_SMALLEST_STEP = float(np.log(KERNEL_END)), float(np.log(_SMALLEST_STEP))
-_LOWEST_LOG, _NOTHING = -300.0, 1e-300
+_LOWEST_LOG, _TINY = -300.0, 1e-300
 # erf(z) is 1 to the last digit here; nothing of the contact is lost at lower magnification.
 FULL_CONTACT = 6.0
 
@@ -231,14 +231,14 @@ def separations(
     moment_above = roughness.moments_above(M[..., None])
     y2, factor = moment_above(v2)
     elastic = y2 is v2
-    log_y = log_v if elastic else 0.5 * np.log(np.maximum(y2, _NOTHING))
+    log_y = log_v if elastic else 0.5 * np.log(np.maximum(y2, _TINY))
     # v^2 dv/(q y) of each point
     common = (np.exp(log_v - log_q) if elastic else np.exp(-log_q - log_y) * v2) * (2.0 * weight)
     F, f = (part * common for part in kernel(gamma)(log_a[..., None] - log_y))
     tail = np.vecdot(F, np.exp(-4.0 * log_q - log_C))
     mean, decay = np.vecdot(F, factor), np.vecdot(f, factor)
     # (A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form
-    to_end = np.sqrt(np.maximum(moment_above((roughness.end - M)[..., None])[0][..., 0], _NOTHING))
+    to_end = np.sqrt(np.maximum(moment_above((roughness.end - M)[..., None])[0][..., 0], _TINY))
     tail_beyond = kernel(gamma)(log_a - np.log(to_end))[0] / (to_end * np.exp(parts.log_wavenumber[-1]))
     z = np.minimum(z, FULL_CONTACT)
     per_moment = A * np.sqrt(np.pi) * moment * np.exp(z**2) / z
@@ -265,7 +265,7 @@ class _Parts(NamedTuple):
 @lru_cache(maxsize=64)
 def _parts(spectrum: PowerSpectrum, kappa: float, end: float) -> _Parts:
     breaks, pieces = spectrum.break_moments, spectrum.break_pieces
-    ends = sorted_unique(np.concatenate([breaks, np.array(_YIELDING) / kappa]) if kappa else breaks)
+    ends = sorted_unique(np.concatenate([breaks, np.array(_YIELD_VARIANCES) / kappa]) if kappa else breaks)
     ends = np.append(ends[(ends > 0.0) & (ends < end)], end)
     if pieces is not None:
         starts = np.concatenate([[0.0], ends[:-1]])
@@ -341,7 +341,7 @@ def low_pressure_law(spectrum: PowerSpectrum, gamma: float) -> LowPressureLaw:
     log_y, weight, piece = _steps(spectrum, parts, np.zeros((1, 1)), np.full((1, 1), -1e3), 3)
     y2 = np.exp(2.0 * log_y)
     log_q, _ = _point(spectrum, piece, y2)
-    y = np.sqrt(np.maximum(y2, _NOTHING))
+    y = np.sqrt(np.maximum(y2, _TINY))
     measure = 2.0 * weight * y2 / y * np.exp(-log_q)
     total = float(measure.sum())
     mean_log = float((measure * np.log(np.sqrt(np.pi) * y)).sum()) / total

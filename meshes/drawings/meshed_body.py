@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from meshes.arrays import FloatArray, IntArray
 
 # Largest coordinate of a node in the unit of its file, micrometres perhaps; what is larger is a damaged number.
-_LARGEST = 1e8
+_FARTHEST = 1e8
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,9 +193,9 @@ def _read_body(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, I
         for nodes in blocks:
             if nodes.shape[1] != corners or not np.all((nodes >= 0) & (nodes < len(mesh.points))):
                 raise GeometryError(f"{path.name}: holds elements whose nodes are not there; it is damaged")
-    if not np.abs(mesh.points).max() < _LARGEST:
+    if not np.abs(mesh.points).max() < _FARTHEST:
         raise GeometryError(
-            f"{path.name}: holds a node further from the origin than {_LARGEST:g}, or at no place at all; a number of "
+            f"{path.name}: holds a node further from the origin than {_FARTHEST:g}, or at no place at all; a number of "
             "the file is damaged"
         )
     return mesh.points, np.vstack(triangles), {part: np.vstack(blocks) for part, blocks in lines.items()}

@@ -26,7 +26,7 @@ PARTS = {
 CORNER = math.radians(40)
 
 # Relative to the size of the outline: points closer than this are one.
-_CLOSED = 1e-6
+_CLOSED_GAP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -101,17 +101,17 @@ def _close_pieces(name: str, pieces: list[Segment]) -> list[Segment]:
     loop = []
     for s, second in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
         gap = math.dist(s.end, second.start)
-        if gap > _CLOSED * size:
+        if gap > _CLOSED_GAP * size:
             raise GeometryError(
                 f"{name} outline: is open, {mm(gap)} are missing between {_place(s.end)} and {_place(second.start)}"
             )
         loop.append(replace(s, end=second.start))
     # Points on the axis are exactly there, so that the mesh's are.
-    on_axis = {p: (0.0, p[1]) for s in loop for p in (s.start,) if abs(p[0]) <= _CLOSED * size}
+    on_axis = {p: (0.0, p[1]) for s in loop for p in (s.start,) if abs(p[0]) <= _CLOSED_GAP * size}
     parts = [replace(s, start=on_axis.get(s.start, s.start), end=on_axis.get(s.end, s.end)) for s in loop]
     for s in parts:
         lowest = min(s.start[0], s.end[0], *(p[0] for p in _upright_points(s)))
-        if lowest < -_CLOSED * size:
+        if lowest < -_CLOSED_GAP * size:
             raise GeometryError(
                 f"{name} outline: crosses the axis near {_place(s.start)}, down to r = {mm(lowest)}; draw the half "
                 "at r >= 0 alone"
@@ -220,10 +220,10 @@ def _top(pieces: list[Segment]) -> set[int]:
     return top
 
 
-def _smooth(incoming: Segment, outgoing: Segment) -> bool:
+def _smooth(s: Segment, t: Segment) -> bool:
     """Whether there is no corner where one piece ends and the next begins."""
-    first = Curve((incoming,))
-    a, b = first.tangent(np.array(first.length)), Curve((outgoing,)).tangent(np.array(0.0))
+    first = Curve((s,))
+    a, b = first.tangent(np.array(first.length)), Curve((t,)).tangent(np.array(0.0))
     return float(a @ b) > math.cos(CORNER)
 
 
@@ -234,7 +234,7 @@ def _named_seat(pieces: list[Segment], *, has_wall: bool) -> list[Segment]:
     lowest, widest = min(s.start[1] for s in pieces), max(s.start[0] for s in pieces)
 
     def level(s: Segment, axis: int, value: float) -> bool:
-        return s.centre is None and all(abs(p[axis] - value) <= _CLOSED * size for p in (s.start, s.end))
+        return s.centre is None and all(abs(p[axis] - value) <= _CLOSED_GAP * size for p in (s.start, s.end))
 
     for part, axis, value in (("bottom", 1, lowest), ("wall", 0, widest))[: 2 if has_wall else 1]:
         if not any(s.name == f"seat_{part}" for s in pieces):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meshes.drawings.halved import profile_of
+from meshes.drawings.half_section import profile_of
 from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve, Point, Segment, as_point
@@ -18,12 +18,12 @@ from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subproces
 
 # Ends this close, relative to the size of the drawing, are one point; those further apart than the second are none,
 # however few digits the numbers have.
-_JOINED, _MOST_JOINED = 1e-5, 3e-3
+_JOINT, _WIDEST_JOINT = 1e-5, 3e-3
 
 # More lines and arcs than this are no section of one body: every two of them are compared.
 _MOST_PIECES = 5000
 # Largest distance of a point from the origin [m]; what lies further away is a damaged number.
-_LARGEST = 1e4
+_FARTHEST = 1e4
 
 _FORMATS = {".dxf": "DXF", ".step": "STEP", ".stp": "STEP"}
 
@@ -112,8 +112,8 @@ def _section(
         raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
     _check_pieces(pieces, path)
     size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
-    reach = joint_gap or max(_JOINED * size, min(rounding, _MOST_JOINED * size))
-    loop = _loop(_drop_duplicates(pieces, _JOINED * size), reach, path)
+    reach = joint_gap or max(_JOINT * size, min(rounding, _WIDEST_JOINT * size))
+    loop = _loop(_drop_duplicates(pieces, _JOINT * size), reach, path)
     gaps = [math.dist(first.end, second.start) for first, second in _joints(loop)]
     widest = max((gap for gap in gaps if gap <= reach), default=0.0)
     return replace(profile_of(name, _join_pieces(loop, reach), unit, reach), joined=widest)
@@ -131,7 +131,7 @@ def _check_pieces(pieces: list[Segment], path: Path) -> None:
     for s in pieces:
         for r, z in (s.start, s.end, s.centre or s.start):
             # not a number is not smaller, either
-            if not math.hypot(r, z) < _LARGEST:
+            if not math.hypot(r, z) < _FARTHEST:
                 raise GeometryError(
                     f"{path.name}: holds a point at ({mm(r)}, {mm(z)}), which is no place of a seal; a number of the "
                     "file is damaged, or its unit is wrong"
@@ -179,21 +179,21 @@ def _join_pieces(loop: list[Segment], reach: float) -> list[Segment]:
     ]
 
 
-def _meeting_point(incoming: Segment, outgoing: Segment, reach: float) -> Point:
+def _meeting_point(first: Segment, second: Segment, reach: float) -> Point:
     """Where two pieces meet: lines stay on their line, and their ends are nearer to the truth than those of arcs."""
-    if incoming.end == outgoing.start:
-        return incoming.end
-    if incoming.centre is None and outgoing.centre is None:
-        (r, z), (dr, dz) = incoming.end, np.subtract(incoming.end, incoming.start)
-        next_dr, next_dz = np.subtract(outgoing.end, outgoing.start)
+    if first.end == second.start:
+        return first.end
+    if first.centre is None and second.centre is None:
+        (r, z), (dr, dz) = first.end, np.subtract(first.end, first.start)
+        next_dr, next_dz = np.subtract(second.end, second.start)
         cross = dr * next_dz - dz * next_dr
         if cross != 0:
-            way = ((outgoing.start[0] - r) * next_dz - (outgoing.start[1] - z) * next_dr) / cross
+            way = ((second.start[0] - r) * next_dz - (second.start[1] - z) * next_dr) / cross
             corner = (float(r + way * dr), float(z + way * dz))
-            if max(math.dist(corner, incoming.end), math.dist(corner, outgoing.start)) <= reach:
+            if max(math.dist(corner, first.end), math.dist(corner, second.start)) <= reach:
                 return corner
-    weight = 0.5 * (1 + (outgoing.centre is None) - (incoming.centre is None))
-    return as_point((1 - weight) * np.array(incoming.end) + weight * np.array(outgoing.start))
+    weight = 0.5 * (1 + (second.centre is None) - (first.centre is None))
+    return as_point((1 - weight) * np.array(first.end) + weight * np.array(second.start))
 
 
 def _fit_piece(s: Segment, start: Point, end: Point) -> Segment:

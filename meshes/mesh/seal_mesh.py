@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 # Far more than any contact that can be solved.
-_MOST = 100_000
+_TOO_MANY = 100_000
 
 
 @dataclass(frozen=True)
@@ -131,9 +131,9 @@ class Sizing:
             [[0.0], np.cumsum(np.diff(x) * (density[:-1] + 4 * middle_density + density[1:]) / 6)]
         )
         elements = max(1, math.ceil(count[-1] * (1 - 1e-9)))
-        if elements > _MOST:
+        if elements > _TOO_MANY:
             raise MeshingError(
-                f"the contact line would need more than {_MOST} elements; use a larger contact size or edge radius"
+                f"the contact line would need more than {_TOO_MANY} elements; use a larger contact size or edge radius"
             )
         inner = np.interp(np.arange(1, elements) * count[-1] / elements, count, x)
         return np.append(inner, b)

@@ -14,7 +14,7 @@ from meshes.errors import MeshingError
 # Rounds of smoothing: the second one makes far fewer poor triangles, a third one hardly any difference.
 _ROUNDS = 2
 # Shape of a triangle, see `triangle_shape`, that smoothing may make worse.
-_GOOD = 0.6
+_GOOD_SHAPE = 0.6
 
 
 def triangle_shape(p: FloatArray, t: IntArray) -> FloatArray:
@@ -109,4 +109,4 @@ def _harmed_triangles(
 ) -> BoolArray:
     """Triangles that are turned over, or worse than before and poor."""
     (shape, area), (new_shape, new_area) = measures, new_measures
-    return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))
+    return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD_SHAPE))

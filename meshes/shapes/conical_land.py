@@ -121,8 +121,8 @@ class ConicalLand:
         width = 0.1 * radius if land_width is None else land_width
         end = radius + 0.5 * width * math.cos(angle)
         edge = 0.1 * width if edge_radius is None else edge_radius
-        outside = partner.housing(touch, 1.1 * end, outer_radius, height)
-        return cls(angle, radius, width, edge, relief_angle, *outside)
+        housing_size = partner.housing(touch, 1.1 * end, outer_radius, height)
+        return cls(angle, radius, width, edge, relief_angle, *housing_size)
 
     @property
     def bore_radius(self) -> float:

@@ -88,8 +88,8 @@ class ConicalSeat:
         face = face_radius or touch + 0.6 * partner.size * math.cos(angle)
         if outer_radius is not None and face_radius is None:
             face = min(face, outer_radius)
-        bore, outside = bore_radius or 0.5 * touch, (outer_radius or None, height or None)
-        return cls(angle, bore, face, *partner.housing(touch, face, *outside))
+        bore, housing_size = bore_radius or 0.5 * touch, (outer_radius or None, height or None)
+        return cls(angle, bore, face, *partner.housing(touch, face, *housing_size))
 
     @property
     def outline(self) -> Outline:

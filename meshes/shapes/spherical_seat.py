@@ -130,8 +130,8 @@ class SphericalSeat:
         face = min(face, steepest) if face_radius is None else face_radius
         bore = min(bore, 0.9 * face) if bore_radius is None else bore_radius
         edge = 0.05 * (face - bore) if edge_radius is None else edge_radius
-        outside = partner.housing(touch, 1.1 * face, outer_radius, height)
-        seat = cls(radius, offset, bore, face, edge, *outside)
+        housing_size = partner.housing(touch, 1.1 * face, outer_radius, height)
+        seat = cls(radius, offset, bore, face, edge, *housing_size)
         if contact_angle is not None:
             seat._check_touch(partner, touch, f"seat contact_angle = {math.degrees(contact_angle):.6g} deg")
         return seat

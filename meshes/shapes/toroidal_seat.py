@@ -110,8 +110,8 @@ class ToroidalSeat:
         depth = radius / 2 if recess is None else recess
         end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))
         bore = max(centre_radius - radius, centre_radius / 2) if bore_radius is None else bore_radius
-        outside = partner.housing(end, 1.1 * end, outer_radius, height)
-        return cls(centre_radius, radius, bore, depth, *outside)
+        housing_size = partner.housing(end, 1.1 * end, outer_radius, height)
+        return cls(centre_radius, radius, bore, depth, *housing_size)
 
     @property
     def ring_end(self) -> float:

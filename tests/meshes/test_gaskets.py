@@ -10,7 +10,7 @@ import pytest
 
 import meshes
 from meshes import ContactGeometry, GeometryError, Outline, Segment
-from meshes.drawings.halved import profile_of, upper_half
+from meshes.drawings.half_section import profile_of, upper_half
 
 BETA = math.radians(20)
 FLAT = meshes.FlangeFace.flat(0.010, 0.04)

@@ -55,7 +55,7 @@ def upper_half(pieces: Sequence[Segment], rounding: float = 0.0) -> list[Segment
     --------
     >>> corners = [(0.01, -1e-3), (0.02, -1e-3), (0.02, 1e-3), (0.01, 1e-3)]
     >>> whole = [Segment(a, b, "") for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
-    >>> [one.name for one in upper_half(whole)]
+    >>> [s.name for s in upper_half(whole)]
     ['', '', '', 'bottom']
     """
     heights = [c[1] for s in pieces for c in s.corners]
