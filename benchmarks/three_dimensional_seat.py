@@ -249,7 +249,7 @@ def run_fem_seal(
         local = LocalContact(mean, problem.law)
         solve_around(problem.form, local)
         time_prepared = time.process_time()
-        solve_around(problem.form.scaled(0.9), local)
+        solve_around(problem.form.scale(0.9), local)
         steps.append((time_solved - start, time_prepared - time_solved, time.process_time() - time_prepared))
     forms = {amplitude: SealProblem.of(case_of(amplitude, folder)[0]).form for amplitude in amplitudes}
     circumferences = {amplitude: solve_around(form, local) for amplitude, form in forms.items()}

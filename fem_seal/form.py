@@ -114,20 +114,20 @@ class FormError:
     grooves: tuple[PlacedGroove, ...] = ()
 
     @property
-    def felt(self) -> tuple[Wave, ...]:
+    def felt_waves(self) -> tuple[Wave, ...]:
         """The waves that load the contact: a closure that is not guided gives way to the first."""
         return tuple(wave for wave in self.waves if wave.amplitude and (self.guided or wave.waves > 1))
 
     @property
     def symmetry(self) -> int:
         """How often the felt waves repeat themselves around the axis."""
-        return math.gcd(*(wave.waves for wave in self.felt)) or max(self.highest, 1)
+        return math.gcd(*(wave.waves for wave in self.felt_waves)) or max(self.highest, 1)
 
     def gap(self, angle: FloatArray) -> FloatArray:
         """What the felt waves add to the gap at angles [rad] around the axis [m]."""
-        return sum((wave.at(angle) for wave in self.felt), np.zeros_like(angle))
+        return sum((wave.at(angle) for wave in self.felt_waves), np.zeros_like(angle))
 
-    def scaled(self, factor: float) -> FormError:
+    def scale(self, factor: float) -> FormError:
         """The same form with all deviations a number of times as large."""
         waves = tuple(replace(wave, amplitude=factor * wave.amplitude) for wave in self.waves)
         tolerance = self.tolerance and replace(self.tolerance, amplitude=factor * self.tolerance.amplitude)
@@ -138,7 +138,7 @@ class FormError:
         if self.tolerance is None:
             return self
         angle = np.linspace(0.0, 2 * np.pi, 3600, endpoint=False)
-        widest = float(angle[np.argmax(self.gap(angle))]) if self.felt else 0.0
+        widest = float(angle[np.argmax(self.gap(angle))]) if self.felt_waves else 0.0
         tolerance_wave = Wave(number, self.tolerance.amplitude, number * widest)
         return replace(
             self,

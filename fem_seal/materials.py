@@ -73,7 +73,7 @@ class OverTemperature:
         low, high = self.temperature[0] - 1e-6, self.temperature[-1] + 1e-6
         return low <= np.min(temperature) and bool(np.max(temperature) <= high)
 
-    def beyond(self, temperature: float) -> float:
+    def distance_outside(self, temperature: float) -> float:
         """How far a temperature lies outside the table [K]; zero inside."""
         if self.reaches(temperature):
             return 0.0
@@ -412,7 +412,7 @@ class HardeningCurve:
         rows = [row for row in table if (row.strain, row.stress) != (0, 0)] or table
         plastic = [row.strain - row.stress / youngs_modulus for row in rows]
         if not abs(plastic[0]) <= _YIELD_POINT:
-            raise rows[0].wrong(
+            raise rows[0].error(
                 f"this row must be the yield point, strain = stress/E = {rows[0].stress / youngs_modulus:.6g}; begin "
                 f"the table with it, or check youngs_modulus = {youngs_modulus / 1e9:.6g} GPa"
             )
@@ -504,9 +504,9 @@ class HardeningOverTemperature:
             "stress_strain", self.temperature, tuple(map(float, range(len(self.curve)))), self.nearest
         )
 
-    def beyond(self, temperature: float) -> float:
+    def distance_outside(self, temperature: float) -> float:
         """How far a temperature lies outside the table [K]; zero inside."""
-        return self._number.beyond(temperature)
+        return self._number.distance_outside(temperature)
 
     def at(self, temperature: float) -> HardeningCurve:
         """The curve at a temperature [K]; InputError outside the range of the table."""
@@ -609,7 +609,7 @@ class _Row(NamedTuple):
     strain: float
     stress: float
 
-    def wrong(self, message: str) -> InputError:
+    def error(self, message: str) -> InputError:
         place = f"row {self.number} (strain {self.strain:.6g}, stress {self.stress / 1e6:.6g} MPa)"
         return InputError.at("stress_strain", f"{place}: {message}")
 
@@ -627,19 +627,19 @@ def _check(rows: Sequence[_Row], plastic_strain: Sequence[float]) -> None:
     """InputError if a row with this plastic strain does not belong into a hardening curve."""
     for row, plastic in zip(rows, plastic_strain, strict=True):
         if not (math.isfinite(plastic) and math.isfinite(row.stress) and row.stress > 0):
-            raise row.wrong("strain and stress must be finite, the stress positive")
+            raise row.error("strain and stress must be finite, the stress positive")
         if plastic > _LARGEST_STRAIN:
-            raise row.wrong(
+            raise row.error(
                 f"strain is a number, 0.1 is 10 %; allowed is at most {_LARGEST_STRAIN:g} (a file may have a column "
                 '"plastic_strain [%]")'
             )
     if plastic_strain and plastic_strain[0] != 0:
-        raise rows[0].wrong("the first row is the yield point, its plastic strain must be 0")
+        raise rows[0].error("the first row is the yield point, its plastic strain must be 0")
     for n in range(1, len(rows)):
         if not plastic_strain[n] > plastic_strain[n - 1]:
-            raise rows[n].wrong("the plastic strain must increase from row to row")
+            raise rows[n].error("the plastic strain must increase from row to row")
         if not rows[n].stress >= rows[n - 1].stress:
-            raise rows[n].wrong(
+            raise rows[n].error(
                 "the stress must not fall from row to row: a softening material has no unique solution"
             )
 

@@ -73,7 +73,7 @@ class Processes:
         method = "fork" if copies else "forkserver" if sys.platform == "linux" else "spawn"
         about = (memory, begin, arguments)
         self._executor = ProcessPoolExecutor(count, get_context(method), _begin, about)
-        self._copies, self._loaded = copies, preload
+        self._copies, self._preload = copies, preload
 
     def submit(self, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs) -> Future[T]:
         """Future of a call by one of them.
@@ -83,7 +83,7 @@ class Processes:
         BrokenProcessPool
             If one of them has died.
         """
-        with nullcontext() if self._copies else _without_interrupts(self._loaded):
+        with nullcontext() if self._copies else _without_interrupts(self._preload):
             return self._executor.submit(function, *arguments, **options)
 
     def end(self) -> None:
@@ -293,7 +293,7 @@ def single_threaded(function: Callable[P, T]) -> Callable[P, T]:
     """
 
     @wraps(function)
-    def limited(*args: P.args, **kwargs: P.kwargs) -> T:
+    def limit_threads(*args: P.args, **kwargs: P.kwargs) -> T:
         controller = _controller()
         if all(
             library.num_threads == 1 for library in controller.lib_controllers if library.user_api == "blas"
@@ -302,7 +302,7 @@ def single_threaded(function: Callable[P, T]) -> Callable[P, T]:
         with controller.limit(limits=1, user_api="blas"):
             return function(*args, **kwargs)
 
-    return limited
+    return limit_threads
 
 
 @cache

@@ -151,7 +151,7 @@ class UncertainInput:
         tail = ndtr(-end)
         return Normal(1.0, self.relative, cut_off=end).quantile(tail + uniform * (1.0 - 2.0 * tail))
 
-    def shown(self, values: FloatArray) -> FloatArray:
+    def reported_values(self, values: FloatArray) -> FloatArray:
         """The factors, shape (n,)."""
         return values[:, 0]
 

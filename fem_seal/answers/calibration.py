@@ -343,7 +343,7 @@ def calibrate(
     inputs = () if settings is None else uncertain_inputs(case, settings)
     uniform = sobol_points(_DRAWS, max(sum(one.dimensions for one in inputs), 1), seed)
     drawn = drawn_values(inputs, uniform)
-    values = {one.name: one.shown(drawn[one.name]) for one in inputs}
+    values = {one.name: one.reported_values(drawn[one.name]) for one in inputs}
     own = case.replace({"requirement": None, "load.target_leak_rate": None})
     tests = _load_tests(own)
     progress("leak rates of the case's own loads")

@@ -319,8 +319,9 @@ class CaseLoad(LoadResult):
         radius = min(float(one.radius.min()) for one in self.profiles)
         bore = flow.through_open_bore(self.fluid_pressure, radius)
         # what a form error leaves open is no rough gap
-        round_seal = self.circumference is None
-        return bore, self.rough.leak_without_load(self.whole, self.fluid_pressure) if round_seal else math.inf
+        if self.circumference is not None:
+            return bore, math.inf
+        return bore, self.rough.leak_without_load(self.whole_profile, self.fluid_pressure)
 
     @property
     def effective_viscosity(self) -> float | None:

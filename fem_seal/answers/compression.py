@@ -94,7 +94,7 @@ def _of_part(seal: SolvedSeal) -> Compression:
     model = seal.loads[-1].contact.model
     stop = None if math.isinf(model.stop) else faces * (model.stop - model.touch)
     for number, load in enumerate(seal.loads, start=1):
-        closing = faces * load.contact.closing
+        closing = faces * load.contact.face_approach
         steps.append(CompressionStep(number, load.applied_force, load.line_load, closing, load.stop_force))
     last = seal.loads[-1].contact
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z

@@ -169,7 +169,7 @@ def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormErro
     ConvergenceError
     """
     asked = _FormLoad(load)
-    waves = sorted(map(asked.alone, asked.form.felt), key=lambda one: one.line_load_min_over_mean)
+    waves = sorted(map(asked.alone, asked.form.felt_waves), key=lambda one: one.line_load_min_over_mean)
     filled = None if given.tolerance is None else _filled_waves(given, asked.form)
     return FormAnswers(
         load.fluid_pressure,
@@ -240,7 +240,7 @@ class _FormLoad:
         found = []
         for factor in _FACTORS:
             try:
-                circumference = self.with_form(self.form.scaled(factor))
+                circumference = self.with_form(self.form.scale(factor))
             except (ConvergenceError, OpenSealError):
                 break
             found.append(
@@ -274,7 +274,7 @@ def _rate(circumference: Circumference) -> float | None:
 def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     """Force of spring or actuator at which the seal is closed all around."""
     circumference = load.circumference
-    if circumference is None or not circumference.form.felt:
+    if circumference is None or not circumference.form.felt_waves:
         return None
 
     trials = Trials([solver], load.fluid_pressure)
@@ -361,7 +361,7 @@ def _allowed_form(case: Case, load: CaseLoad, asked: _FormLoad, given: FormError
         return AllowedForm(name, rate, None, None, direction, None)
     height = float(np.ptp(asked.circumference.gap_change))
     factor = (
-        _largest_size(lambda f: asked.leak_rate(asked.form.scaled(f)), rate, 1.0, _MOST_GAP / height)
+        _largest_size(lambda f: asked.leak_rate(asked.form.scale(f)), rate, 1.0, _MOST_GAP / height)
         if height
         else math.inf
     )

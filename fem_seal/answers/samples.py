@@ -86,7 +86,7 @@ class UncertainScans:
         before = np.cumprod(np.column_stack([np.ones(len(uniform)), rest]), axis=1)
         return np.asarray(before * np.column_stack([1.0 - rest, np.ones(len(uniform))]), dtype=float)
 
-    def shown(self, values: FloatArray) -> FloatArray:
+    def reported_values(self, values: FloatArray) -> FloatArray:
         """The weights, shape (n, scans)."""
         return values
 
@@ -259,7 +259,7 @@ def changed_problem(
         problem,
         surface=changed_surface(case, problem.surface, factors, means, shares),
         materials=problem.materials if stiffer == 1.0 else stiffer_bodies(problem.materials, stiffer),
-        form=form.scaled(factors["form"]) if form is not None and "form" in factors else form,
+        form=form.scale(factors["form"]) if form is not None and "form" in factors else form,
         given_law=None,
     )
 
@@ -368,7 +368,7 @@ class Samples:
     @cached_property
     def scores(self) -> FloatArray:
         """Variables of a polynomial, shape (samples, dimensions of `evaluated`)."""
-        parts = variables({each.name: each.shown(self.values[each.name]) for each in self.run_inputs})
+        parts = variables({x.name: x.reported_values(self.values[x.name]) for x in self.run_inputs})
         return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
 
     def columns(self, wanted: AnyInput) -> list[int]:

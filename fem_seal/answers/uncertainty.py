@@ -376,7 +376,7 @@ def _interval(samples: Samples, settings: Uncertainty, parts: Sequence[_Part]) -
             dict(zip(others, rates[first + 1 : first + count], strict=True)),
             [load.flow_error for load in loads],
             values={
-                uncertain.name: uncertain.shown(samples.values[uncertain.name])[parts[0].numbers]
+                uncertain.name: uncertain.reported_values(samples.values[uncertain.name])[parts[0].numbers]
                 for uncertain in samples.inputs
             },
             error_scores=scores,

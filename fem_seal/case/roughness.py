@@ -695,7 +695,7 @@ class UncertainHeight:
         middle = float(np.log(self.height.quantile([0.5])[0]))
         return np.exp(middle + np.sqrt(self.share) * (np.log(self.height.quantile(uniform)) - middle))
 
-    def shown(self, values: FloatArray) -> FloatArray:
+    def reported_values(self, values: FloatArray) -> FloatArray:
         """The factors, shape (n,)."""
         return values[:, 0]
 
@@ -770,7 +770,7 @@ class UncertainFinish:
         """Places in the ranges from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
         return uniform
 
-    def shown(self, values: FloatArray) -> FloatArray:
+    def reported_values(self, values: FloatArray) -> FloatArray:
         """The values themselves, geometric mean over the faces, of waves their wavenumber, shape (n,)."""
         each = [np.log(spread.at(values[:, 0], log=self.name != "hurst")) for spread in self.spreads]
         means = np.exp(np.mean(each, axis=0))

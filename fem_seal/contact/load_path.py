@@ -256,7 +256,7 @@ def load_path(
         if load.path is None and not (math.isfinite(load.force) and load.force > 0):
             raise ValueError(f"contact_force = {load.force!r} N: must be positive and finite")
     walk = _Walk(model, bodies, law, settings or PlasticSettings(), progress or _ignore_place)
-    rest = loads[0].rest(at_rest or NO_LOADS)
+    rest = loads[0].without_force(at_rest or NO_LOADS)
     contacts: list[ElastoplasticContact] = []
     open_loads: dict[int, OpenLoad] = {}
     failure, bolted_at = None, 0.0
@@ -365,7 +365,7 @@ class FirstLoading:
         if not steps_below:
             self._steps.clear()
         further = len(steps_below) == len(self._steps)
-        rest = load.rest(self.at_rest)
+        rest = load.without_force(self.at_rest)
         begin = steps_below[-1] if steps_below else _LoadStep(rest, walk.begin(rest), 0)
         steps: list[_LoadStep] = []
 
@@ -428,7 +428,9 @@ class _Walk:
     def begin(self, rest: PathLoad) -> Equilibrium:
         """Equilibrium of new bodies under what acts before the first load."""
         virgin = Equilibrium({name: body.solid.virgin for name, body in self.bodies.items()}, None, ())
-        return virgin if rest.further == NO_LOADS else self.reach(rest, rest.rest(NO_LOADS), virgin)[0]
+        if rest.further == NO_LOADS:
+            return virgin
+        return self.reach(rest, rest.without_force(NO_LOADS), virgin)[0]
 
     def reach(
         self,
@@ -497,7 +499,7 @@ class _Walk:
     def _way_to_stop(self, balance: Equilibrium) -> float:
         """How far bodies have come nearer to a stop, as a share of all that they can; 0 without one."""
         room = self.model.stop - self.model.touch
-        return 0.0 if balance.contact is None or room <= 0.0 else balance.contact.closing / room
+        return 0.0 if balance.contact is None or room <= 0.0 else balance.contact.face_approach / room
 
     def hold(
         self, load: PathLoad, bolted_at: float, begin: PathLoad, balance: Equilibrium, number: int
@@ -654,7 +656,7 @@ class ElastoplasticContact(ContactSolution):
     linear: ContactModel | None = field(default=None, repr=False)
 
     @cached_property
-    def unloading(self) -> ContactModel:
+    def unloading_model(self) -> ContactModel:
         """The bodies as they answer to less load, see `fem_seal.contact.plastic_step.unloading_model`."""
         return unloading_model(self.model, self.bodies, self.states, self.loads)
 

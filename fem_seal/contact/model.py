@@ -476,7 +476,7 @@ class BodyLoads:
         """
         return cls(seat={"wall": interference} if interference else {})
 
-    def on(self, body: str) -> Mapping[LoadName, float]:
+    def on_body(self, body: str) -> Mapping[LoadName, float]:
         """Loads of the body "closure" or "seat"."""
         return self.closure if body == "closure" else self.seat
 
@@ -484,7 +484,7 @@ class BodyLoads:
         """How far these loads move the surfaces apart at the points of the contact line [m], shape (m,)."""
         opening = np.zeros_like(model.line.x)
         for name, body in model.bodies.items():
-            for load, magnitude in self.on(name).items():
+            for load, magnitude in self.on_body(name).items():
                 opening = opening + magnitude * body.loads[load].opening
         if self.gap_pressure is not None:
             opening = opening + model.compliance @ (model.line.area_weight * self.gap_pressure)
@@ -514,7 +514,7 @@ class BodyLoads:
             Normal forces of a solid contact at the points of the contact line, which act as well [N].
         """
         displacement = sum(
-            (size * body.loads[name].response for name, size in self.on(body.fem.name).items()),
+            (size * body.loads[name].response for name, size in self.on_body(body.fem.name).items()),
             np.zeros(body.fem.size),
         )
         forces = [] if point_forces is None else [point_forces]
@@ -525,7 +525,7 @@ class BodyLoads:
     def free_strain(self, body: CondensedBody) -> FloatArray | float:
         """Strain of a body under these loads that takes no stress: a number, or one for each node."""
         return sum(
-            (size * body.loads[name].free_strain for name, size in self.on(body.fem.name).items()), 0.0
+            (size * body.loads[name].free_strain for name, size in self.on_body(body.fem.name).items()), 0.0
         )
 
     def face_temperature(

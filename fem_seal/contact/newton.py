@@ -308,7 +308,7 @@ class _Rows:
             ),
         )
 
-    def chosen(self, rows: NDArray[np.bool_]) -> _Rows:
+    def select(self, rows: NDArray[np.bool_]) -> _Rows:
         """Some of them."""
         laws = [self.laws[number] for number in rows.nonzero()[0].tolist()]
         return _Rows(self.model, laws, self.force[rows], self.gap0[rows])
@@ -339,7 +339,7 @@ class _Rows:
             * np.where(d >= self.model.stop, np.minimum(carried_share, 1.0)[:, None], 1.0)
         )
 
-    def opened(self, force: FloatArray) -> FloatArray:
+    def open_gap(self, force: FloatArray) -> FloatArray:
         """Opening of the gap by normal forces at the points, shape (rows, m) [m]."""
         # a product with several at once would depend on how many they are
         return np.stack([self.model.compliance @ row for row in force])
@@ -400,7 +400,7 @@ def _newton(
             v[pending] += step_v[has_step]
             d[pending] += step_d[has_step]
             if not has_step.all():
-                rows = rows.chosen(has_step)
+                rows = rows.select(has_step)
             if not len(pending):
                 break
     return [
@@ -421,7 +421,7 @@ def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
         v = -distance / s
         v += np.log(rows.force / (share * np.exp(v)).sum(axis=1))[:, None]
         s = rows.decay_length(v.max(axis=1, keepdims=True)) + hardest + rows.softest
-    opening = rows.opened(line.area_weight * np.exp(v)) + gap0
+    opening = rows.open_gap(line.area_weight * np.exp(v)) + gap0
     separation = rows.gap(v) - hardest * v
     opening = opening - separation + rows.lift(v, separation)
     centre = v.argmax(axis=1)[:, None]
@@ -440,7 +440,7 @@ def _residual(
     model, line = rows.model, rows.model.line
     f = line.area_weight * np.exp(v)
     separation = rows.gap(v) - hardest * v
-    terms = (rows.gap0 + rows.lift(v, separation), -d * line.normal[1], rows.opened(f), -separation)
+    terms = (rows.gap0 + rows.lift(v, separation), -d * line.normal[1], rows.open_gap(f), -separation)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
     scale = np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]) + np.abs(terms[3])

@@ -37,10 +37,10 @@ class FluidPath(Protocol):
     ) -> BodyLoads:
         """What acts besides the contact, with and without the fluid."""
 
-    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+    def unknowns_of(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """The unknowns that belong to a profile of the solid contact pressure."""
 
-    def after(self, largest: FloatArray) -> FluidPath:
+    def after_load(self, largest: FloatArray) -> FluidPath:
         """The same after the largest pressure that each place has carried before [Pa], shape (m,)."""
         return self
 
@@ -102,8 +102,8 @@ class PenetratingFluid(_BetweenSurfaces):
     equivalent: Equivalent | None = field(default=None, repr=False)
     largest: FloatArray | None = field(default=None, repr=False)
 
-    def after(self, largest: FloatArray) -> FluidPath:
-        """See `FluidPath.after`."""
+    def after_load(self, largest: FloatArray) -> FluidPath:
+        """See `FluidPath.after_load`."""
         return replace(self, largest=largest)
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
@@ -114,7 +114,7 @@ class PenetratingFluid(_BetweenSurfaces):
         """The unknowns are the shares themselves."""
         return unknowns
 
-    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+    def unknowns_of(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Fluid pressure over the pressure difference."""
         profile = _flow_profile(self, profile)
         if profile.parts or profile.pressure.max() < self.sealing_pressure:
@@ -158,7 +158,7 @@ class FluidAtContact(_BetweenSurfaces):
         shares = np.clip(0.5 + (line.x - front) / width, 0.0, 1.0)
         return shares if self.side == "outer" else 1.0 - shares
 
-    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+    def unknowns_of(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Where the contact pressure first exceeds that of the fluid, seen from the side of the fluid [m].
 
         Raises
@@ -205,8 +205,8 @@ class FluidInChambers:
     equivalent: Equivalent | None = field(default=None, repr=False)
     largest: FloatArray | None = field(default=None, repr=False)
 
-    def after(self, largest: FloatArray) -> FluidPath:
-        """See `FluidPath.after`."""
+    def after_load(self, largest: FloatArray) -> FluidPath:
+        """See `FluidPath.after_load`."""
         return replace(self, largest=largest)
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
@@ -219,7 +219,7 @@ class FluidInChambers:
         """The force of the fluid, and what acts without it."""
         return replace(at_rest, lifting=fluid_pressure * self.area * float(unknowns.sum()))
 
-    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+    def unknowns_of(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """What each land holds back."""
         falls = self.falls(_flow_profile(self, profile), fluid_pressure)
         radii = [float(np.interp(land.centroid, land.x, land.radius)) for land in profile.lands]
@@ -327,7 +327,7 @@ def coupled_contact(
         solution = solve(
             seal.model, seal.law, contact_force=force, loads=loads, settings=seal.settings, start=solution
         )
-        next_unknowns = seal.path.found(solution.whole, pressure)
+        next_unknowns = seal.path.unknowns_of(solution.whole_profile, pressure)
         return next_unknowns
 
     low, high = seal.path.bounds(seal.model.line)
@@ -359,7 +359,7 @@ def dry_unknowns(
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
     contact = solve(seal.model, seal.law, contact_force=force, loads=seal.at_rest, start=start)
-    return seal.path.found(contact.whole, fluid_pressure)
+    return seal.path.unknowns_of(contact.whole_profile, fluid_pressure)
 
 
 # Shares of the closing force that the solid contact carries on the way to an open seal.

@@ -133,7 +133,8 @@ class PathLoad:
         """The load after some contacts, whose pressures the fluid between the surfaces feels."""
         if self.path is None or not contacts:
             return self
-        return replace(self, path=self.path.after(np.max([contact.pressure for contact in contacts], axis=0)))
+        largest = np.max([contact.pressure for contact in contacts], axis=0)
+        return replace(self, path=self.path.after_load(largest))
 
     def balance_bolts(self, balance: Equilibrium, law: Law, bolted_at: float) -> PathLoad:
         """The load with the force of its bolts, where the bodies answer as they do when linearised here.
@@ -177,7 +178,7 @@ class PathLoad:
             return self
         return replace(self, force=balance.contact.contact_force)
 
-    def rest(self, further: BodyLoads) -> PathLoad:
+    def without_force(self, further: BodyLoads) -> PathLoad:
         """The same way of loading with nothing that presses, where these loads act."""
         return replace(self, force=0.0, fluid_pressure=0.0, further=further)
 
@@ -394,7 +395,7 @@ class _Step:
         if loads.gap_pressure is not None:
             contact_forces = contact_forces + self.model.line.area_weight * loads.gap_pressure
         forces = {
-            name: body.fem.nodal_forces(contact_forces) + _further_forces(body.fem, loads.on(name))
+            name: body.fem.nodal_forces(contact_forces) + _further_forces(body.fem, loads.on_body(name))
             for name, body in self.bodies.items()
         }
         return self._at(displacements, forces)
@@ -430,7 +431,7 @@ class _Step:
         model, gap, at_rest = self.model, self.model.line.initial_gap, {}
         bodies = model.bodies
         for name, body in self.bodies.items():
-            heat = _heat(body.fem, self.at_rest.on(name))
+            heat = _heat(body.fem, self.at_rest.on_body(name))
             bodies[name], at_rest[name] = body.linear(
                 bodies[name], at.displacements[name], at.flows[name], heat
             )
@@ -464,7 +465,8 @@ class _Step:
         strains: dict[str, FloatArray | float] = {}
         for name, body in self.bodies.items():
             fem = body.fem
-            parts = [size * fem.free_strain[way] for way, size in _heat(fem, self.at_rest.on(name)).items()]
+            heat = _heat(fem, self.at_rest.on_body(name))
+            parts = [size * fem.free_strain[way] for way, size in heat.items()]
             strains[name] = at_quadrature_points(fem.mesh, np.sum(parts, axis=0)) if parts else 0.0
         return strains
 

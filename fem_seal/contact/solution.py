@@ -138,7 +138,7 @@ class ContactSolution:
         )
 
     @cached_property
-    def moved(self) -> dict[str, tuple[FloatArray, FloatArray]]:
+    def displacements(self) -> dict[str, tuple[FloatArray, FloatArray]]:
         """Displacement (dofs,) [m] of "closure" and "seat" by all that acts on them, and its stress (nodes, 4) [Pa]."""
         return _move_bodies([self])[0]
 
@@ -162,7 +162,7 @@ class ContactSolution:
             return False
         pressure, between = self.pressure, self.loads.gap_pressure
         total_pressure = pressure if between is None else pressure + between
-        return screen.stays_below(stress, total_pressure, self.loads.on(name))
+        return screen.stays_below(stress, total_pressure, self.loads.on_body(name))
 
     @cached_property
     def turning(self) -> float:
@@ -183,7 +183,7 @@ class ContactSolution:
         return self.contact_force + self.stop_force
 
     @property
-    def closing(self) -> float:
+    def face_approach(self) -> float:
         """Approach since the mean planes of the faces touched, as warm as they are [m]."""
         return self.approach - self.model.touch
 
@@ -215,7 +215,7 @@ class ContactSolution:
         return tuple(profile_on(land, reach) for land, reach in line.lands)
 
     @cached_property
-    def whole(self) -> PressureProfile:
+    def whole_profile(self) -> PressureProfile:
         """All of the contact as one profile."""
         return join_lands(self.profiles)
 
@@ -248,7 +248,7 @@ class ContactSolution:
         return tuple(contacts)
 
     @property
-    def unstopped(self) -> Self:
+    def without_stop(self) -> Self:
         """The same contact on bodies without a stop."""
         model = self.model.with_stop(math.inf)
         return self if model is self.model else replace(self, model=model)
@@ -273,7 +273,7 @@ def largest_before(contacts: Sequence[ContactSolution]) -> tuple[ContactSolution
 
 
 def move_together(solutions: Sequence[ContactSolution]) -> None:
-    """Work out `ContactSolution.moved` of several contacts at once, in a fraction of the time.
+    """Work out `ContactSolution.displacements` of several contacts at once, in a fraction of the time.
 
     Parameters
     ----------
@@ -283,11 +283,11 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
     solutions = [solution for solution in solutions if solution.model is solutions[0].model]
     if solutions:
         for solution, motion in zip(solutions, _move_bodies(solutions), strict=True):
-            vars(solution)["moved"] = motion
+            vars(solution)["displacements"] = motion
 
 
 def _move_bodies(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatArray, FloatArray]]]:
-    """`ContactSolution.moved` of contacts on the same model."""
+    """`ContactSolution.displacements` of contacts on the same model."""
     model = solutions[0].model
     forces = np.stack([solution.line_forces for solution in solutions], axis=1)
     motions: list[dict[str, tuple[FloatArray, FloatArray]]] = [{} for _ in solutions]
@@ -317,7 +317,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     >>> sorted(fields), bool(fields["seat"].von_mises.max() > 50e6)
     (['closure', 'seat'], True)
     """
-    return _fields(solution.model, solution.loads, solution.moved, solution.profile)
+    return _fields(solution.model, solution.loads, solution.displacements, solution.profile)
 
 
 def fields_at_rest(model: ContactModel, loads: BodyLoads) -> dict[str, BodyField]:

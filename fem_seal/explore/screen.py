@@ -325,7 +325,7 @@ def profile_of(load: CaseLoad, case: Case) -> ShownProfile:
     load : CaseLoad
     case : Case
     """
-    line = load.whole
+    line = load.whole_profile
     x = np.asarray(line.x)
     carries = np.flatnonzero(line.pressure > 1e-3 * line.pressure.max())
     # as wide again to both sides: what the gap does there is what a drawing would show

@@ -272,7 +272,7 @@ def _convergence(load: CaseLoad) -> dict[str, Any]:
         "iterations": contact.iterations,
         "residual": contact.residuals[-1] if contact.residuals else None,
         "force_error": contact.force_error,
-        "approach_m": contact.closing,
+        "approach_m": contact.face_approach,
         "load_steps": None if plastic is None else plastic.load_steps,
         "equilibrium_residual": None if plastic is None else plastic.equilibrium_residuals[-1],
     }

@@ -32,9 +32,9 @@ _OF_SOLVING: Mapping[str, frozenset[str]] = {
     "CondensedBody": frozenset({"compliance", "find_loads", "loads", "recovery", "solve"}),
     "ContactModel": frozenset({"compliance", "harmonics"}),
     "YieldingBody": frozenset({"_dissected_body", "solid"}),
-    "ElastoplasticContact": frozenset({"linear", "states", "unloading"}),
+    "ElastoplasticContact": frozenset({"linear", "states", "unloading_model"}),
 }
-_FIELDS = frozenset({"fields", "moved"})
+_FIELDS = frozenset({"fields", "displacements"})
 
 _OWN = ("fem_seal", "leak", "meshes", "pathlib")
 # What classes of these are, beside dataclasses: to make one of them does nothing else.

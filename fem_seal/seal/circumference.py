@@ -403,7 +403,7 @@ def solve_around(form: FormError, local: LocalContact, near: Circumference | Non
         )
     mean, repeats = local.mean, form.symmetry
     size = ANGLES_PER_WAVE * max(form.highest // repeats, 1)
-    if not form.felt:
+    if not form.felt_waves:
         angle = _angles(size * repeats)
         even = np.full_like(angle, mean.line_load)
         nothing = np.zeros_like(angle)
@@ -433,8 +433,8 @@ def solve_around(form: FormError, local: LocalContact, near: Circumference | Non
 
 def _highest_harmonic(form: FormError) -> int:
     """Highest harmonic of the line load to which the bodies' own answer is calculated."""
-    total = sum(abs(one.amplitude) for one in form.felt)
-    strong = max(one.waves for one in form.felt if abs(one.amplitude) > _STRONG * total)
+    total = sum(abs(one.amplitude) for one in form.felt_waves)
+    strong = max(one.waves for one in form.felt_waves if abs(one.amplitude) > _STRONG * total)
     return max(_PERIODS * form.symmetry if form.symmetry > 1 else _HARMONICS, strong)
 
 

@@ -119,7 +119,7 @@ class LoadResult:
         return self.contact.profiles
 
     @property
-    def whole(self) -> PressureProfile:
+    def whole_profile(self) -> PressureProfile:
         """All of the contact as one profile, with its lands."""
         return join_lands(self.profiles)
 
@@ -158,7 +158,7 @@ class LoadResult:
     @cached_property
     def leak_round(self) -> LeakResult | None:
         """The same of the round seal."""
-        return None if self.rough is None else self.rough.leak(self.whole, self.fluid_pressure)
+        return None if self.rough is None else self.rough.leak(self.whole_profile, self.fluid_pressure)
 
     @cached_property
     def around(self) -> Circumference | None:
@@ -176,7 +176,7 @@ class LoadResult:
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
         if self.rough is None or self.rough.simulated or self.circumference is not None:
             return 0.0
-        return self.rough.leak_before_sealing(self.whole, self.fluid_pressure)
+        return self.rough.leak_before_sealing(self.whole_profile, self.fluid_pressure)
 
     @cached_property
     def critical_separation(self) -> float | None:
@@ -286,18 +286,18 @@ class GivenContact:
 
     Parameters
     ----------
-    whole : PressureProfile
+    whole_profile : PressureProfile
         With its lands.
     """
 
-    whole: PressureProfile
+    whole_profile: PressureProfile
     largest = None
     history = ()
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:
         """Of each land, from the axis outwards."""
-        return self.whole.lands
+        return self.whole_profile.lands
 
     @property
     def profile(self) -> PressureProfile:
@@ -307,12 +307,12 @@ class GivenContact:
     @property
     def pressure(self) -> NDArray[np.float64]:
         """Contact pressure [Pa]."""
-        return self.whole.pressure
+        return self.whole_profile.pressure
 
     @property
     def line_load(self) -> float:
         """Int p dx [N/m]."""
-        return self.whole.moment(0)
+        return self.whole_profile.moment(0)
 
 
 @dataclass(frozen=True)

@@ -354,7 +354,7 @@ class LoadSolver:
         largest = contact.pressure
         if contact.largest is not None:
             largest = np.maximum(largest, contact.largest)
-        return replace(self.seal, model=contact.unloading, path=self._path.after(largest))
+        return replace(self.seal, model=contact.unloading_model, path=self._path.after_load(largest))
 
     @property
     def yields(self) -> bool:
@@ -378,7 +378,7 @@ class LoadSolver:
         earlier = None if self.yields else self.earlier
         if earlier is None:
             return self._first_seal
-        return replace(self._first_seal, path=self._path.after(earlier.pressure))
+        return replace(self._first_seal, path=self._path.after_load(earlier.pressure))
 
     @cached_property
     def _first_seal(self) -> CoupledContact:

@@ -546,12 +546,13 @@ class SealProblem:
         from fem_seal.contact.local_contact import LocalContact
         from fem_seal.seal.circumference import solve_both_around
 
-        own, contact = law or self.law, contact.unstopped
+        own, contact = law or self.law, contact.without_stop
         local = LocalContact(contact, own, None if near is None else near.local)
         if contact.earlier is None or contact.largest is None:
             return solve_both_around(self.form, local, None, near)
         known = None if near is None or near.before is None else near.before.local
-        return solve_both_around(self.form, local, LocalContact(contact.earlier.unstopped, own, known), near)
+        earlier = LocalContact(contact.earlier.without_stop, own, known)
+        return solve_both_around(self.form, local, earlier, near)
 
     @property
     def leaks(self) -> bool:
@@ -893,7 +894,7 @@ class SealFlow:
 
         circumference = self.problem.circumference(contact)
         if circumference is None:
-            return self.leak(contact.whole, fluid_pressure)
+            return self.leak(contact.whole_profile, fluid_pressure)
         flow = ProfileLeak(
             lambda profile: self.leak(profile, fluid_pressure),
             lambda profile, grooves: self.flow.bounds(

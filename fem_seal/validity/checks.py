@@ -558,7 +558,7 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     limit = problem.stop_approach(model, half)
     if load.contact.approach > limit:
         way, room, stop = (
-            1e6 * problem.faces * length for length in (load.contact.closing, limit - model.touch, half)
+            1e6 * problem.faces * length for length in (load.contact.face_approach, limit - model.touch, half)
         )
         yield caution("flanges_meet", load, loads, outside=True, way=way, apart=room, stop=stop)
 
@@ -836,7 +836,7 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
             is_reported=share > FLUID_OPENS,
             share=share,
             times=times if share < _FLUID_LIFTS else None,
-            several_lands=bool(load.whole.parts),
+            several_lands=bool(load.whole_profile.parts),
         )
 
 

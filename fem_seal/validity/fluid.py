@@ -353,7 +353,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 
 
 def _has_waves(load: LoadResult) -> bool:
-    return load.circumference is not None and bool(load.circumference.form.felt)
+    return load.circumference is not None and bool(load.circumference.form.felt_waves)
 
 
 def _two(value: float) -> str:
@@ -373,7 +373,7 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = (load.whole if load.circumference is None else profile_there).equivalent(table)
+    profile = (load.whole_profile if load.circumference is None else profile_there).equivalent(table)
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure

@@ -43,7 +43,7 @@ def form_cautions(form: FormError, problem: SealProblem, loads: Sequence[LoadRes
     circumferences = [
         (load, load.circumference)
         for load in loads
-        if load.circumference is not None and load.circumference.form.felt
+        if load.circumference is not None and load.circumference.form.felt_waves
     ]
     if not circumferences:
         return
@@ -59,7 +59,7 @@ _Circumferences = Sequence[tuple["LoadResult", "Circumference"]]
 
 
 def _short_waves(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Iterator[Finding]:
-    waves_felt = circumferences[0][1].form.felt
+    waves_felt = circumferences[0][1].form.felt_waves
     total = sum(abs(wave.amplitude) for wave in waves_felt)
     waves = max(wave.waves for wave in waves_felt if abs(wave.amplitude) > _COUNTS * total)
     load, _ = max(circumferences, key=lambda pair: pair[0].std)

@@ -51,14 +51,14 @@ def material_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[
             if table is None:
                 plain.append(key)
                 continue
-            at = max(_used_temperatures(problem, key, temperature), key=table.beyond)
-            if table.nearest and table.beyond(at) > NEAR:
+            at = max(_used_temperatures(problem, key, temperature), key=table.distance_outside)
+            if table.nearest and table.distance_outside(at) > NEAR:
                 yield _caution_beyond_table(names, material, key, at)
         distance = abs(temperature - ROOM_TEMPERATURE)
         if plain and distance > NEAR:
             yield _plain_caution(names, material, plain, temperature)
         curves = material.hardening_over_temperature
-        if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > NEAR:
+        if bodies and curves is not None and curves.nearest and curves.distance_outside(temperature) > NEAR:
             finding = caution("library_curve", **names, material=material.name, at=in_degrees(temperature))
             yield finding if distance >= FAR else replace(finding, level=Level.VALID)
 
@@ -115,7 +115,7 @@ def _caution_beyond_table(names: Mapping[str, Any], material: Material, key: str
         at=in_degrees(at),
         example=_table(key, end, at, _with_unit(key, value)),
     )
-    return finding if table.beyond(at) >= FAR else replace(finding, level=Level.VALID)
+    return finding if table.distance_outside(at) >= FAR else replace(finding, level=Level.VALID)
 
 
 def _plain_caution(

@@ -318,7 +318,7 @@ def test_untouched_places_are_as_far_apart_as_the_bodies_leave_them() -> None:
     untouched = solution.pressure == 0.0
     opening = model.line.initial_gap - solution.approach * model.line.normal[1]
     for name, body in model.bodies.items():
-        opening = opening + body.fem.trace @ body.fem.normal_displacement(solution.moved[name][0])
+        opening = opening + body.fem.trace @ body.fem.normal_displacement(solution.displacements[name][0])
     assert untouched.sum() > 10
     assert solution.gap[untouched] == pytest.approx(opening[untouched], rel=1e-8)
 
@@ -409,6 +409,6 @@ def test_contacts_moved_together_move_as_each_alone() -> None:
     together, alone = ([solve(model, LAW, contact_force=force) for force in forces] for _ in range(2))
     move_together(together)
     for one, other in zip(together, alone, strict=True):
-        for name, moved in other.moved.items():
-            assert one.moved[name][0] == pytest.approx(moved[0], abs=1e-12 * np.abs(moved[0]).max())
+        for name, moved in other.displacements.items():
+            assert one.displacements[name][0] == pytest.approx(moved[0], abs=1e-12 * np.abs(moved[0]).max())
             assert one.fields[name].von_mises == pytest.approx(other.fields[name].von_mises, rel=1e-9)

@@ -31,7 +31,7 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
     land = hardest_land(load, display) if len(load.profiles) > 1 else ""
     peak, mean = (
         in_words(load, "peak_pressure_Pa"),
-        load.circumference is not None and load.circumference.form.felt,
+        load.circumference is not None and load.circumference.form.felt_waves,
     )
     if mean:
         remark = say(display, "contact", "around", peak=peak)

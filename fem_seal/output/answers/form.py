@@ -64,7 +64,7 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
         state = volume_of(result.case).state
         yield from say_all(display, "form", "leak", load=at, rate=rate, round=of_round, state=state)
     yield from say_all(display, "form", "worst", answers=answers, load=at)
-    if load.circumference is not None and load.circumference.form.felt:
+    if load.circumference is not None and load.circumference.form.felt_waves:
         # only results with a form error need this module
         from fem_seal.answers.form import CLOSED_SHARE
 
@@ -155,7 +155,7 @@ def _of_point(result: SealSolution, point: FormPoint | WaveAlone) -> str:
 def curve_table(result: SealSolution) -> ReadableTable:
     """Leak rate over the size of the form error; no rows for a round seal."""
     answers, load = result.form, result.highest
-    felt = answers is not None and load.circumference is not None and load.circumference.form.felt
+    felt = answers is not None and load.circumference is not None and load.circumference.form.felt_waves
     points = answers.curve if answers is not None and felt else ()
     return worded_table(
         "form_curve",
@@ -177,7 +177,7 @@ def _around(result: SealSolution, display: Display) -> list[str]:
     Shown are the load with the highest fluid pressure, and that with the smallest line load, which the form error
     affects most.
     """
-    known = [load for load in result.loads if load.around is not None and load.around.form.felt]
+    known = [load for load in result.loads if load.around is not None and load.around.form.felt_waves]
     if not known:
         return []
     weakest = min(known, key=lambda load: load.line_load)

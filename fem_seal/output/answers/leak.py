@@ -123,7 +123,7 @@ def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str
 
 def _throttle(display: Display, load: CaseLoad) -> str:
     assert load.leak is not None
-    x, share = load.whole.x, load.leak.fluid_pressure / load.fluid_pressure
+    x, share = load.whole_profile.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     # with the accuracy of the width of the contact

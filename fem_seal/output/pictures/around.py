@@ -42,7 +42,7 @@ def unrolled_picture(result: SealSolution) -> style.Picture | None:
     result : SealSolution
     """
     load = result.highest
-    if load.around is None or not load.around.form.felt:
+    if load.around is None or not load.around.form.felt_waves:
         return None
     around, name = load.around, load_name(load, result.loads)
     every = math.ceil(len(around.angle) / _ANGLES)
@@ -245,7 +245,7 @@ def _in_others(load: CaseLoad) -> list[FloatArray]:
 def _choose_loads(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in distinct_loads(result.loads)]
-    known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]
+    known = [(load, load.around) for load in loads if load.around and load.around.form.felt_waves]
     return [known[n] for n in style.few(len(known), _LINES)] if known else []
 
 

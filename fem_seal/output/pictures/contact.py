@@ -254,7 +254,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     above, below = figure.subplots(
         2, 1, gridspec_kw={"left": 0.125, "right": 0.985, "bottom": 0.14, "top": 0.97, "hspace": 0.0}
     )
-    whole, (low, high) = load.whole, _range_in_view([load])
+    whole, (low, high) = load.whole_profile, _range_in_view([load])
     low, high = max(low, float(whole.x[0])), min(high, float(whole.x[-1]))
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
     # between lands the gap is that of a chamber

@@ -336,7 +336,7 @@ def test_intervals_of_a_real_seal_hold_the_truth_as_often_as_they_say():
     case = case.replace({"uncertainty": {"viscosity": {"relative": 0.05}, "q_high": {"relative": 0.3}}})
     inputs = uncertain_inputs(case, case.uncertainty)
     drawn = drawn_values(inputs, sobol_points(2**15, len(inputs), 1))
-    values = {one.name: one.shown(drawn[one.name]) for one in inputs}
+    values = {one.name: one.reported_values(drawn[one.name]) for one in inputs}
     joint = _Joint.of([_group(case, case.uncertainty, values, lambda text: None)], seed=3)
     check_coverage(joint.y, seed=11)
 

@@ -63,7 +63,7 @@ def test_family_from_case_to_results(closure: str, seat: str, tmp_path) -> None:
     contact = result.loads[0].contact
     assert contact.force_error == pytest.approx(0.0, abs=1e-9)
     assert contact.profile.peak_pressure > 1e6
-    shares = contact.whole.pressure[[0, -1]] / contact.whole.pressure.max()
+    shares = contact.whole_profile.pressure[[0, -1]] / contact.whole_profile.pressure.max()
     ends = [abs(a - b) < 1e-9 for a, b in zip(result.seal_mesh.sizing.zone, case.contact.reach, strict=True)]
     assert all(share < 1e-6 or at_the_end for share, at_the_end in zip(shares, ends, strict=True))
     assert not [one for one in result.warnings if "could not be calculated" in one]

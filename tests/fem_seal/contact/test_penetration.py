@@ -248,13 +248,13 @@ def test_spring_fluid_and_contact_are_in_balance(side, fluid_pressure):
     assert ring + math.pi * area * fluid_pressure == pytest.approx(spring, rel=1e-10)
     assert abs(solution.force_error) < 1e-12
     # The fluid pressure is the one that flows through just this contact.
-    again = seal.path.found(solution.profile, fluid_pressure)
+    again = seal.path.unknowns_of(solution.profile, fluid_pressure)
     assert solution.loads.gap_pressure / fluid_pressure == pytest.approx(again, abs=2e-9)
 
 
 def test_a_liquid_acts_up_to_the_middle_of_the_contact_and_a_gas_against_vacuum_further():
     def gas(profile, fluid_pressure):
-        liquid = power_law("outer").found(profile, fluid_pressure)
+        liquid = power_law("outer").unknowns_of(profile, fluid_pressure)
         return fluid_pressure * np.sqrt(liquid)  # p_f^2 falls along the resistance
 
     liquid, thin = (
@@ -311,7 +311,7 @@ def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
     profile = contact.profile
     limit = 0.5 * profile.peak_pressure
     path = PenetratingFluid(lambda *_: pytest.fail("nothing flows"), limit, "outer")
-    share = path.found(profile, PRESSURE)
+    share = path.unknowns_of(profile, PRESSURE)
     assert (share[(profile.x < 0) & (profile.pressure < 0.99 * limit)] == 0).all()
     assert (share[(profile.x > 0) & (profile.pressure < 0.99 * limit)] == 1).all()
     # evenly over the width at half of the peak

@@ -213,7 +213,7 @@ def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
 def test_the_fluid_is_the_one_that_flows_through_the_contact_it_leaves() -> None:
     for contact in relief().contacts[1:]:
         pressure = contact.loads.closure[0]
-        again = flowing("inner").found(contact.profile, pressure)
+        again = flowing("inner").unknowns_of(contact.profile, pressure)
         assert contact.loads.gap_pressure / pressure == pytest.approx(again, abs=2e-9)
 
 
@@ -276,7 +276,7 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
         model, LAW, [PathLoad(spring, path=fluid, fluid_pressure=0.0)], settings=few, unload=False
     ).contacts[0]
     assert isinstance(coined, ElastoplasticContact)
-    opens = blow_off_pressure(CoupledContact(coined.unloading, LAW, fluid), applied_force=spring)
+    opens = blow_off_pressure(CoupledContact(coined.unloading_model, LAW, fluid), applied_force=spring)
     pressures = (0.0, 0.995 * opens, 1.005 * opens)
     path = load_path(
         model,
@@ -300,7 +300,7 @@ def test_bodies_answer_to_unloading_as_their_path_does() -> None:
     coined, less = load_path(
         model, LAW, [PathLoad(spring), PathLoad(0.7 * spring)], settings=few, unload=False
     ).contacts
-    foretold = solve(coined.unloading, LAW, contact_force=0.7 * spring)
+    foretold = solve(coined.unloading_model, LAW, contact_force=0.7 * spring)
     assert less.pressure == pytest.approx(foretold.pressure, rel=1e-3, abs=1e-3 * less.pressure.max())
 
 

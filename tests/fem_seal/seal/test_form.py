@@ -52,11 +52,11 @@ def test_the_first_crest_stands_at_the_phase_over_the_number_of_waves() -> None:
 def test_a_free_closure_feels_no_first_wave() -> None:
     waves = (Wave(1, 5e-6), Wave(4, 1e-6), Wave(6, 2e-6))
     free, guided = FormError(waves, highest=6), FormError(waves, guided=True, highest=6)
-    assert [one.waves for one in free.felt] == [4, 6] and free.symmetry == 2
-    assert [one.waves for one in guided.felt] == [1, 4, 6] and guided.symmetry == 1
+    assert [one.waves for one in free.felt_waves] == [4, 6] and free.symmetry == 2
+    assert [one.waves for one in guided.felt_waves] == [1, 4, 6] and guided.symmetry == 1
     np.testing.assert_allclose(free.gap(TURN), total(waves[1:]), atol=1e-20)
     np.testing.assert_allclose(guided.gap(TURN), total(waves), atol=1e-20)
-    np.testing.assert_allclose(guided.scaled(-2.0).gap(TURN), -2 * total(waves), atol=1e-20)
+    np.testing.assert_allclose(guided.scale(-2.0).gap(TURN), -2 * total(waves), atol=1e-20)
 
 
 def test_a_tolerance_is_filled_where_the_rest_is_widest() -> None:
@@ -70,7 +70,7 @@ def test_a_tolerance_is_filled_where_the_rest_is_widest() -> None:
         assert filled.gap(np.array([0.5]))[0] == pytest.approx(3e-6, rel=1e-5)
         assert filled.highest == 5
     assert list(tolerance.candidates) == [2, 3, 4, 5]
-    assert form.scaled(2.0).tolerance == WaveTolerance(2e-6, (2, 5))
+    assert form.scale(2.0).tolerance == WaveTolerance(2e-6, (2, 5))
     assert alone.with_waves(7) is alone
 
 
@@ -337,9 +337,9 @@ def test_a_trace_beside_the_case_file(tmp_path: Path) -> None:
         lines += [f"{table}.{key} = {value!r}" for key, value in entries.items()]
     (tmp_path / "case.toml").write_text("\n".join(lines).replace("'", '"'))
     case = load_case(tmp_path / "case.toml")
-    (oval,) = error_of(case).felt[:1]
+    (oval,) = error_of(case).felt_waves[:1]
     assert oval.waves == 2 and oval.amplitude == pytest.approx(1e-6 * math.sin(ANGLE45), rel=1e-6)
-    assert max(one.amplitude for one in error_of(case).felt[1:]) < 1e-13
+    assert max(one.amplitude for one in error_of(case).felt_waves[1:]) < 1e-13
     assert str(tmp_path / "trace.csv") in case.named_files
     few = case.replace({"form.seat.trace": {"file": str(tmp_path / "trace.csv"), "waves": 60}})
     assert few.form is not None and few.form.seat is not None and few.form.seat.trace is not None

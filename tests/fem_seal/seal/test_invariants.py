@@ -89,7 +89,7 @@ def test_the_pressure_carries_the_axial_force(closure, seat) -> None:
     contact = result.case.contact
     columns = dict(zip(PROFILE_COLUMNS, profile_array(result).T, strict=True))
     for one, pressure, spring in zip(result.loads, pressures, springs, strict=True):
-        profile = one.contact.whole
+        profile = one.contact.whole_profile
         x, step = profile.x, 1e-8
         rise_r, rise_z = (
             (line(x + step) - line(x - step)) / (2 * step) for line in (contact.radius, contact.height)

@@ -46,8 +46,8 @@ def test_a_gas_chokes_in_the_gap_before_friction_limits_it():
     load = single_result().loads[0]
     gas, high = leak.gas("helium"), 200e5
     thin = replace(load.rough.flow, gas=gas, viscosity=1e-3 * gas.viscosity, outlet_pressure=1e5)
-    found = replace(load.rough, flow=thin).leak_without_load(load.whole, high - 1e5)
-    (land,) = load.whole.lands
+    found = replace(load.rough, flow=thin).leak_without_load(load.whole_profile, high - 1e5)
+    (land,) = load.whole_profile.lands
     apart = land.gap - land.gap.min() + 5.0 * load.rough.surface.spectrum.rms_height
     area = 2.0 * math.pi * float((land.radius * apart).min())
     choked = 0.7262 * area * high * math.sqrt(gas.specific_gas_constant * gas.temperature) / 101325.0
@@ -55,7 +55,7 @@ def test_a_gas_chokes_in_the_gap_before_friction_limits_it():
     # without pressure to speak of, friction limits it
     slow = replace(thin, viscosity=gas.viscosity)
     by_friction = slow.through_gap(land.x, land.radius, apart, 10.0)
-    assert replace(load.rough, flow=slow).leak_without_load(load.whole, 10.0) == by_friction
+    assert replace(load.rough, flow=slow).leak_without_load(load.whole_profile, 10.0) == by_friction
 
 
 def test_rougher_samples_let_more_through():

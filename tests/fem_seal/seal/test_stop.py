@@ -99,7 +99,7 @@ def test_the_gasket_is_that_of_the_force_which_presses_it_to_the_stop(law: str) 
     """The same bodies without a stop, under the force that the gasket has."""
     found = elastic() if law == "spectrum" else solved(**SMOOTH)
     _, at, beyond = found.loads
-    free = solve(at.contact.unstopped.model, found.problem.law, contact_force=at.contact_force)
+    free = solve(at.contact.without_stop.model, found.problem.law, contact_force=at.contact_force)
     assert 2 * free.approach == pytest.approx(STOP, rel=1e-7)
     assert free.pressure == pytest.approx(at.contact.pressure, rel=1e-5, abs=1.0)
     # what presses beyond the stop does not reach the gasket
@@ -191,7 +191,7 @@ def warm(growth: tuple[float, float], **changes: Any) -> tuple[list[float], Eval
     flange, gasket = (f"{one}e-6 1/K" for one in growth)
     expands = {"closure__material__thermal_expansion": flange, "gasket__material__thermal_expansion": gasket}
     found = solved(**expands, temperature={"uniform": "140 degC"}, **changes)
-    return [2 * load.contact.closing for load in found.loads], found
+    return [2 * load.contact.face_approach for load in found.loads], found
 
 
 @pytest.mark.parametrize(("growth", "stop"), [((17, 17), 4.0), ((12, 17), 6.3976), ((17, 12), 1.6024)])
@@ -223,7 +223,7 @@ def test_warm_flanges_are_of_any_height() -> None:
     cold, hot = (
         [temperature(**changes) for changes in heights.values()]
         for temperature in (
-            lambda **changes: [2 * one.contact.closing for one in solved(**changes).loads[:1]],
+            lambda **changes: [2 * one.contact.face_approach for one in solved(**changes).loads[:1]],
             lambda **changes: warm((12, 17), **changes)[0][:1],
         )
     )
@@ -243,7 +243,7 @@ def test_a_warm_ring_that_yields_springs_back_as_the_cold_one() -> None:
     _, hot = warm((12, 17), **YIELDING, load__applied_force=forces, gasket__stop="5 um")
     cold = solved(**YIELDING, load__applied_force=forces, gasket__stop="7.397 um")
     for one, two in zip(hot.loads, cold.loads, strict=True):
-        assert one.contact.closing == pytest.approx(two.contact.closing, abs=2e-9)
+        assert one.contact.face_approach == pytest.approx(two.contact.face_approach, abs=2e-9)
         assert one.peak_pressure == pytest.approx(two.peak_pressure, rel=1e-3)
 
 
