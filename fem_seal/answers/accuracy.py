@@ -149,12 +149,12 @@ def discretisation_error(
     order = 1 if coarser.solver.model.yields else 2
     change = coarse.relative_to(coarser.compare("finer", fine))
 
-    def estimated(change: float) -> float:
+    def richardson_error(change: float) -> float:
         """Relative error by Richardson's rule."""
         return abs(change) / (COARSER**order - 1) * (COARSER**order if ready else 1.0)
 
-    rate = None if change.leak_rate is None else estimated(change.leak_rate)
-    peak, fwhm, std = map(estimated, (change.peak_pressure, change.fwhm, change.std))
+    rate = None if change.leak_rate is None else richardson_error(change.leak_rate)
+    peak, fwhm, std = map(richardson_error, (change.peak_pressure, change.fwhm, change.std))
     return DiscretisationError(peak, fwhm, std, rate)
 
 
@@ -170,8 +170,8 @@ def far_field(load: CoarserLoad, seal: SolvedSeal) -> tuple[Comparison, ...]:
 
     def change(name: str, model: ContactModel) -> Comparison:
         solver, steps = replace(load.solver, model=model), _STEPS // COARSER
-        changed = solve_load(solver, load.number, steps=steps, start=load.contact)
-        return load.compare(name, changed).relative_to(load.own_comparison)
+        contact = solve_load(solver, load.number, steps=steps, start=load.contact)
+        return load.compare(name, contact).relative_to(load.own_comparison)
 
     changes = []
     for name, condense in _variations(load.solver, load.mesh, seal):
@@ -186,7 +186,7 @@ def _variations(
     solver: LoadSolver, mesh: SealMesh, seal: SolvedSeal
 ) -> Iterator[tuple[str, Callable[[], ContactModel]]]:
     """Other bodies, made one after the other: each takes as much memory as those of the result."""
-    problem, known = solver.problem, solver.model
+    problem, model = solver.problem, solver.model
     if problem.at_rest.interference or problem.faces > 1:
         # another size or support is another fit: that is no question of the far field; a gasket has neither
         return
@@ -196,13 +196,13 @@ def _variations(
             wider = replace(problem, contact=larger)
             yield (
                 "a housing twice as wide and high",
-                lambda: condense_bodies(wider, build_contact(larger, mesh.sizing, mesh), known),
+                lambda: condense_bodies(wider, build_contact(larger, mesh.sizing, mesh), model),
             )
     free = problem.supports.wall == "free"
-    other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
+    other_problem = replace(problem, supports=Supports(wall="fixed" if free else "free"))
     yield (
         "holding its wall" if free else "leaving its wall free",
-        lambda: condense_bodies(other, mesh, known),
+        lambda: condense_bodies(other_problem, mesh, model),
     )
 
 
@@ -229,8 +229,8 @@ def _compute(seal: SolvedSeal, request: Request) -> Accuracy:
         estimate = partial(discretisation_error, seal.loads[strongest].contact, coarser, sizing)
         error = request.steps.compute(ACCURACY.subject, estimate, NOT_ESTIMATED)
     with request.clock.step("far field", "comparing sizes and supports far from the contact"):
-        far = request.steps.compute("influence of the far field", partial(far_field, coarser, seal), ())
-    return Accuracy(error, far)
+        changes = request.steps.compute("influence of the far field", partial(far_field, coarser, seal), ())
+    return Accuracy(error, changes)
 
 
 ACCURACY = Answer[Accuracy](
@@ -238,6 +238,6 @@ ACCURACY = Answer[Accuracy](
     "discretisation error",
     _compute,
     Accuracy(),
-    of_load=lambda load, number, found: load.with_values(mesh_error=found.error),
+    of_load=lambda load, number, accuracy: load.with_values(mesh_error=accuracy.error),
     of_part=True,
 )

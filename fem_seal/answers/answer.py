@@ -36,36 +36,36 @@ class OptionalSteps:
 
     failures: list[str] = field(default_factory=list)
 
-    def compute(self, what: str, calculate: Callable[[], Value], otherwise: Fallback) -> Value | Fallback:
-        """What `calculate` gives or, if it fails, `otherwise`.
+    def compute(self, subject: str, calculate: Callable[[], Value], fallback: Fallback) -> Value | Fallback:
+        """What `calculate` gives or, if it fails, `fallback`.
 
         Parameters
         ----------
-        what : str
+        subject : str
             What the step gives, the subject of the sentence that names its failure.
         calculate : callable
-        otherwise : object
+        fallback : object
         """
-        with self.attempt(what):
+        with self.attempt(subject):
             return calculate()
-        return otherwise
+        return fallback
 
-    def compute_values(self, load: Load, steps: Mapping[str, str], otherwise: object = None) -> Load:
-        """A load with some of its values worked out; those that fail are known to be `otherwise`.
+    def compute_values(self, load: Load, steps: Mapping[str, str], fallback: object = None) -> Load:
+        """A load with some of its values worked out; those that fail are known to be `fallback`.
 
         Parameters
         ----------
         load : LoadResult
         steps : mapping
             Name of each value, with what it is for `compute`.
-        otherwise : object
+        fallback : object
         """
-        for name, what in steps.items():
-            load = load.with_values(**{name: self.compute(what, partial(getattr, load, name), otherwise)})
+        for name, subject in steps.items():
+            load = load.with_values(**{name: self.compute(subject, partial(getattr, load, name), fallback)})
         return load
 
     @contextmanager
-    def attempt(self, what: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
+    def attempt(self, subject: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
         """Name what fails inside, and go on after it.
 
         A file that cannot be written is not told here but to the caller, as is an interruption: the disc or the user
@@ -73,7 +73,7 @@ class OptionalSteps:
 
         Parameters
         ----------
-        what : str
+        subject : str
             See `compute`.
         but : type of exception
             What stops everything.
@@ -84,12 +84,12 @@ class OptionalSteps:
             raise
         except Exception as error:
             # any: what is shown beside a result must never be the reason for having none
-            self.name_failure(what, error)
+            self.name_failure(subject, error)
 
-    def name_failure(self, what: str, error: Exception) -> None:
+    def name_failure(self, subject: str, error: Exception) -> None:
         """Name a failure that was met elsewhere."""
         self.failures.append(
-            f"{what}: could not be calculated ({error_text(error)}); all else is not affected"
+            f"{subject}: could not be calculated ({error_text(error)}); all else is not affected"
         )
 
 
@@ -195,7 +195,7 @@ class Answer(Generic[T]):
     compute: Callable[[SolvedSeal, Request], T]
     fallback: T
     applies: Callable[[SolvedSeal, Request], bool] = lambda seal, request: True
-    of_load: Callable[[CaseLoad, int, T], CaseLoad] = lambda load, number, found: load
+    of_load: Callable[[CaseLoad, int, T], CaseLoad] = lambda load, number, answer: load
     status: str = ""
     clock: str = ""
     needs: tuple[str, ...] = ()
@@ -211,9 +211,9 @@ class Answer(Generic[T]):
         seal : SolvedSeal
         request : Request
         """
-        requested = getattr(request, self.asked_by) if self.asked_by else None
-        needs = self.needs if requested else (*self.needs, *self.needs_unrequested)
-        has_all = requested is not False and all(_has(seal, attribute) for attribute in needs)
+        is_requested = getattr(request, self.asked_by) if self.asked_by else None
+        needs = self.needs if is_requested else (*self.needs, *self.needs_unrequested)
+        has_all = is_requested is not False and all(_has(seal, attribute) for attribute in needs)
         return has_all and self.applies(seal, request)
 
     def compute_or_fall_back(self, seal: SolvedSeal, request: Request) -> T:
@@ -229,8 +229,8 @@ class Answer(Generic[T]):
 
     def of(self, answers: Mapping[str, Any]) -> T:
         """Itself among the answers of a result."""
-        found: T = answers.get(self.name, self.fallback)
-        return found
+        answer: T = answers.get(self.name, self.fallback)
+        return answer
 
     @overload
     def __get__(self, result: None, owner: type[Any]) -> Answer[T]: ...

@@ -41,21 +41,21 @@ def _compute(seal: SolvedSeal, request: Request) -> BoltAnswers:
     states = tuple(
         _state(bolts, preload, load, strength) for preload, load in zip(preloads, seal.loads, strict=True)
     )
-    nothing = (None,) * len(states)
+    no_rates = (None,) * len(states)
     ends = (
-        nothing
+        no_rates
         if bolts.scatter == 0.0
         else request.steps.compute(
-            "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, request, bolts), nothing
+            "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, request, bolts), no_rates
         )
     )
     return BoltAnswers(bolts, states, tuple(ends))
 
 
 def _state(bolts: Bolts, preload: float, load: CaseLoad, strength: float | None) -> BoltState:
-    number, target, applied = bolts.number, load.preload_for_target, load.force_for_target
+    number, target, force = bolts.number, load.preload_for_target, load.force_for_target
     stress = bolts.stress(max(preload, load.applied_force))
-    torques = [None if one is None else bolts.torque(one) for one in (preload, target)]
+    torques = [None if tension is None else bolts.torque(tension) for tension in (preload, target)]
     return BoltState(
         preload / number,
         load.applied_force / number,
@@ -64,7 +64,7 @@ def _state(bolts: Bolts, preload: float, load: CaseLoad, strength: float | None)
         torques[0],
         None if target is None else target / number,
         torques[1],
-        None if target is None or applied is None else bolts.stress(max(target, applied)),
+        None if target is None or force is None else bolts.stress(max(target, force)),
     )
 
 
@@ -80,31 +80,31 @@ def _leak_at_ends(seal: SolvedSeal, request: Request, bolts: Bolts) -> Sequence[
 def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float) -> list[float]:
     """Leak rate of each load with another preload, infinite where it opens the seal [m^3/s]; NaN where not found."""
     problem, loads = seal.problem, seal.problem.loads
-    preloads = [factor * one for _, one in seal.case.load.points]
+    preloads = [factor * preload for _, preload in seal.case.load.points]
     loads = loads.with_preloads(bolts, preloads)
-    opened = [n for n, point in enumerate(loads.points) if not problem.expected_force(*point) > 0]
-    if len(opened) == len(preloads):
+    open_loads = [n for n, point in enumerate(loads.points) if not problem.expected_force(*point) > 0]
+    if len(open_loads) == len(preloads):
         return [math.inf] * len(preloads)
-    left = [number for number in range(len(preloads)) if number not in opened]
-    solver = LoadSolver(replace(problem, loads=loads.without_loads(opened)), seal.model)
-    solved = solve_loads(solver, request.clock.progress, contacts_only=True)
-    numbers = [n for n in range(len(left)) if n not in solved.failures]
-    points = [solved.points[number] for number in numbers]
-    leaks = [load.leak for load in solved.results(problem, points)]
-    rates = dict.fromkeys(opened, math.inf)
+    closed_loads = [number for number in range(len(preloads)) if number not in open_loads]
+    solver = LoadSolver(replace(problem, loads=loads.without_loads(open_loads)), seal.model)
+    solved_loads = solve_loads(solver, request.clock.progress, contacts_only=True)
+    numbers = [n for n in range(len(closed_loads)) if n not in solved_loads.failures]
+    points = [solved_loads.points[number] for number in numbers]
+    leaks = [load.leak for load in solved_loads.results(problem, points)]
+    rates = dict.fromkeys(open_loads, math.inf)
     for n, leak in zip(numbers, leaks, strict=True):
-        rates[left[n]] = math.nan if leak is None else leak.leak_rate
-    for n, error in solved.failures.items():
+        rates[closed_loads[n]] = math.nan if leak is None else leak.leak_rate
+    for n, error in solved_loads.failures.items():
         # what does not converge says nothing; all else leaves the seal open
-        rates[left[n]] = math.nan if isinstance(error, ConvergenceError) else math.inf
+        rates[closed_loads[n]] = math.nan if isinstance(error, ConvergenceError) else math.inf
     return [rates[number] for number in sorted(rates)]
 
 
-def _of_load(load: CaseLoad, number: int, found: BoltAnswers | None) -> CaseLoad:
-    if found is None:
+def _of_load(load: CaseLoad, number: int, answers: BoltAnswers | None) -> CaseLoad:
+    if answers is None:
         return load
-    ends = found.leak_rates[number]
-    return load.with_values(bolts=found.loads[number], at_preload_ends=ends)
+    ends = answers.leak_rates[number]
+    return load.with_values(bolts=answers.loads[number], at_preload_ends=ends)
 
 
 BOLTS = Answer[BoltAnswers | None](

@@ -101,8 +101,8 @@ class LearnedInput:
     @property
     def narrowing(self) -> float:
         """One less the ratio of both widths, of logarithms [-]."""
-        before, after = (math.log(one[2] / one[0]) for one in (self.prior, self.posterior))
-        return 1.0 - after / before if before > 0.0 else 0.0
+        prior, posterior = (math.log(ends[2] / ends[0]) for ends in (self.prior, self.posterior))
+        return 1.0 - posterior / prior if prior > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -231,24 +231,24 @@ def _group(
     case = with_contact_temperatures(case)
     evaluations = evaluate_seal(problems_of(case), clock=Clock(progress))
     seal = SolvedSeal.of(evaluations, case, loads_of(evaluations))
-    leaks = [[one.leak for one in (load, *load.others.values())] for load in seal.loads]
-    own = np.array([[math.nan if one is None else one.leak_rate for one in of_load] for of_load in leaks]).T
-    log_rate, slack = _logarithm(own)[:, :, None].repeat(_DRAWS, axis=2), 0.0
+    leaks = [[scenario.leak for scenario in (load, *load.others.values())] for load in seal.loads]
+    of_case = np.array([[math.nan if leak is None else leak.leak_rate for leak in row] for row in leaks]).T
+    log_rate, slack = _logarithm(of_case)[:, :, None].repeat(_DRAWS, axis=2), 0.0
     if settings is not None and uncertain_inputs(case, settings):
-        found = leak_interval(seal, settings, progress)
-        sampled = np.array([found.leak_rate, *found.others.values()])
-        if np.isinf(sampled).any():
+        interval = leak_interval(seal, settings, progress)
+        rates = np.array([interval.leak_rate, *interval.others.values()])
+        if np.isinf(rates).any():
             raise InputError(problem("calibrate_open"))
-        known = (sampled > 0.0).all(axis=(0, 1))
-        flat = _logarithm(sampled).reshape(-1, sampled.shape[2])
-        of_samples = np.concatenate(variables(found.values), axis=1)
-        of_draws = np.concatenate(variables({name: values[name] for name in found.values}), axis=1)
-        surface = fit(of_samples[known], flat[:, known].T, of_samples)
-        log_rate = surface(of_draws).T.reshape(*own.shape, _DRAWS)
-        slack = max(float(surface.error.max()), found.error or 0.0)
+        leaking = (rates > 0.0).all(axis=(0, 1))
+        flat = _logarithm(rates).reshape(-1, rates.shape[2])
+        of_samples = np.concatenate(variables(interval.values), axis=1)
+        of_draws = np.concatenate(variables({name: values[name] for name in interval.values}), axis=1)
+        surface = fit(of_samples[leaking], flat[:, leaking].T, of_samples)
+        log_rate = surface(of_draws).T.reshape(*of_case.shape, _DRAWS)
+        slack = max(float(surface.error.max()), interval.error or 0.0)
     errors = [load.flow_error for load in seal.loads]
     bias, spread = (
-        np.array([0.0 if one is None else float(getattr(one, name)) for one in errors])
+        np.array([0.0 if error is None else float(getattr(error, name)) for error in errors])
         for name in ("bias", "spread")
     )
     peaks = np.log10([load.peak_pressure for load in seal.loads])
@@ -286,14 +286,15 @@ class _Joint:
     @classmethod
     def of(cls, groups: Sequence[_Group], seed: int) -> _Joint:
         peaks, bias, spread = (
-            np.concatenate([getattr(one, name) for one in groups]) for name in ("log_peak", "bias", "spread")
+            np.concatenate([getattr(group, name) for group in groups])
+            for name in ("log_peak", "bias", "spread")
         )
-        log_rate = np.concatenate([one.log_rate for one in groups], axis=1)
+        log_rate = np.concatenate([group.log_rate for group in groups], axis=1)
         normal = np.random.default_rng(seed).standard_normal((log_rate.shape[0] * _DRAWS, peaks.size))
         error = normal @ measurements.error_root(peaks).T
         factor = bias + spread * error
         y = log_rate.transpose(0, 2, 1).reshape(-1, peaks.size) + factor
-        return cls(y, error, factor, peaks, max(one.slack for one in groups))
+        return cls(y, error, factor, peaks, max(group.slack for group in groups))
 
 
 # -------------------------------------------------------------------- Bayes' rule
@@ -341,85 +342,89 @@ def calibrate(
         raise InputError(problem("calibrate_again"))
     settings, seed = case.sampled, 1 if case.sampled is None else case.sampled.seed
     inputs = () if settings is None else uncertain_inputs(case, settings)
-    uniform = sobol_points(_DRAWS, max(sum(one.dimensions for one in inputs), 1), seed)
-    drawn = drawn_values(inputs, uniform)
-    values = {one.name: one.reported_values(drawn[one.name]) for one in inputs}
-    own = case.replace({"requirement": None, "load.target_leak_rate": None})
-    tests = _load_tests(own)
+    uniform = sobol_points(_DRAWS, max(sum(uncertain.dimensions for uncertain in inputs), 1), seed)
+    input_values = drawn_values(inputs, uniform)
+    values = {uncertain.name: uncertain.reported_values(input_values[uncertain.name]) for uncertain in inputs}
+    base = case.replace({"requirement": None, "load.target_leak_rate": None})
+    tests = _load_tests(base)
     progress("leak rates of the case's own loads")
     # on the bodies of the case, unless the loads are a path
-    alike = [n for n, one in enumerate(readings) if not curves(own) and _alike(one.case, own)]
+    alike = [n for n, reading in enumerate(readings) if not curves(base) and _alike(reading.case, base)]
     points = [
-        *own.load.points,
+        *base.load.points,
         *(readings[n].case.load.points[0] for n in alike),
         *(point for _, point in tests),
     ]
-    groups = [_group(_with_points(own, points), settings, values, progress)]
-    if groups[0].points[: len(own.load.points)] != list(own.load.points):
+    groups = [_group(_with_points(base, points), settings, values, progress)]
+    if groups[0].points[: len(base.load.points)] != list(base.load.points):
         raise InputError(problem("calibrate_load"))
     place: dict[int, int] = {}
     for n in alike:
         if (point := readings[n].case.load.points[0]) not in groups[0].points:
             raise InputError(problem("calibrate_reading", line=readings[n].line))
         place[n] = groups[0].points.index(point)
-    for numbers, measured in _by_fluid_and_memory(readings, without=alike):
+    for numbers, leak_case in _by_fluid_and_memory(readings, without=alike):
         progress(f"leak rates of {len(numbers)} readings")
-        place |= {n: sum(len(one.points) for one in groups) + k for k, n in enumerate(numbers)}
-        groups.append(_group(measured, _settings_for(measured, case, settings), values, progress))
+        place |= {n: sum(len(group.points) for group in groups) + k for k, n in enumerate(numbers)}
+        groups.append(_group(leak_case, _settings_for(leak_case, case, settings), values, progress))
         if len(groups[-1].points) != len(numbers):
             raise InputError(problem("calibrate_reading", line=readings[numbers[0]].line))
-    first = sum(len(one.points) for one in groups)
+    first = sum(len(group.points) for group in groups)
     others: list[NextTest] = []
-    for name, other in _other_tests(own):
+    for name, variant in _other_tests(base):
         with suppress(SealError):
             progress(f"leak rates of a next test: {name}")
-            groups.append(_group(other, _settings_for(other, case, settings), values, progress))
-            others.append(NextTest(name, _fluid(other), *other.load.points[-1], _earlier(other)))
+            groups.append(_group(variant, _settings_for(variant, case, settings), values, progress))
+            others.append(NextTest(name, _fluid(variant), *variant.load.points[-1], _earlier(variant)))
     joint = _Joint.of(groups, seed)
     places = [place[n] for n in range(len(readings))]
     y = joint.y[:, places]
     data = Data.of(readings, joint.slack)
     weights = weights_of(data.log_likelihood(y))
-    kept = _resample(weights, _PREDICTION_DRAWS, seed)
+    picks = _resample(weights, _PREDICTION_DRAWS, seed)
     p_value = data_p_value(y, data, seed)
     conflict = conflict_of(y, data, _drive(readings)) if p_value < _CONFLICT else None
-    last = len(own.load.points) - 1
+    last = len(base.load.points) - 1
     candidates = [
-        (NextTest(name, case.fluid.name, *point), joint.y[kept, groups[0].points.index(point)])
+        (NextTest(name, case.fluid.name, *point), joint.y[picks, groups[0].points.index(point)])
         for name, point in tests
         if point in groups[0].points
     ]
-    candidates += [(test, joint.y[kept, first + n]) for n, test in enumerate(others)]
+    candidates += [(test, joint.y[picks, first + n]) for n, test in enumerate(others)]
     copies = len(joint.y) // _DRAWS
-    every = {name: np.tile(one, copies) for name, one in values.items() if one.ndim == 1}
-    even = np.full(len(weights), 1.0 / len(weights))
+    columns = {name: np.tile(column, copies) for name, column in values.items() if column.ndim == 1}
+    flat = np.full(len(weights), 1.0 / len(weights))
     theory = {"theory": np.exp(joint.factor[:, last])} if np.ptp(joint.factor[:, last]) > 0.0 else {}
-    units = {one.name: _UNITS[one.name] for one in inputs if isinstance(one, UncertainFinish)}
-    found = Calibration(
+    units = {finish.name: _UNITS[finish.name] for finish in inputs if isinstance(finish, UncertainFinish)}
+    result = Calibration(
         case,
         tuple(readings),
-        tuple(_exp(percentiles(one, even)) for one in y.T),
-        tuple(_exp(percentiles(one, weights)) for one in y.T),
+        tuple(_exp(percentiles(rates, flat)) for rates in y.T),
+        tuple(_exp(percentiles(rates, weights)) for rates in y.T),
         tuple(
-            Prediction(*point, *(_exp(percentiles(joint.y[:, n], one)) for one in (even, weights)))
-            for n, point in enumerate(own.load.points)
+            Prediction(*point, *(_exp(percentiles(joint.y[:, n], weight)) for weight in (flat, weights)))
+            for n, point in enumerate(base.load.points)
         ),
         tuple(
-            LearnedInput(name, percentiles(one, even), percentiles(one, weights), units.get(name, "factor"))
-            for name, one in {**every, **theory}.items()
+            LearnedInput(name, percentiles(col, flat), percentiles(col, weights), units.get(name, "factor"))
+            for name, col in {**columns, **theory}.items()
         ),
         p_value,
         conflict,
-        _alternatives(own, readings, data, y, settings, values, progress),
+        _alternatives(base, readings, data, y, settings, values, progress),
         _next_tests(
-            candidates, joint.y[kept, last], {name: np.log(one[kept]) for name, one in every.items()}
+            candidates,
+            joint.y[picks, last],
+            {name: np.log(column[picks]) for name, column in columns.items()},
         ),
         float(1.0 / (weights**2).sum()),
         _posterior(inputs, uniform, joint, weights, [*range(last + 1), *places], seed),
     )
-    judges = found.is_usable and case.requirement is not None
+    judges = result.is_usable and case.requirement is not None
     return (
-        replace(found, solution=_judge(case, joint.y[:, : last + 1], weights, progress)) if judges else found
+        replace(result, solution=_judge(case, joint.y[:, : last + 1], weights, progress))
+        if judges
+        else result
     )
 
 
@@ -427,16 +432,18 @@ def _judge(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -
     """The loads of a case with the interval that a test has left of each, and what is said of its requirement."""
     progress("verdict after the test")
     case = with_contact_temperatures(case)
-    found = evaluate_seal(problems_of(case))
+    evaluations = evaluate_seal(problems_of(case))
     seal = answer_parts(
-        SolvedSeal.of(found, case, loads_of(found)), Request(found[0].solver, SILENT), [ACCURACY, OPENING]
+        SolvedSeal.of(evaluations, case, loads_of(evaluations)),
+        Request(evaluations[0].solver, SILENT),
+        [ACCURACY, OPENING],
     )
-    outside, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
-    shares = outside, 0.5, 1.0 - outside
-    for load, own in zip(seal.loads, y.T, strict=True):
-        low, middle, high = _exp(percentiles(own, weights, shares))
-        left = load.with_values(
-            validity=load.validity_by(validity_of, found),
+    tail, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
+    shares = tail, 0.5, 1.0 - tail
+    for load, rates in zip(seal.loads, y.T, strict=True):
+        low, middle, high = _exp(percentiles(rates, weights, shares))
+        tested_load = load.with_values(
+            validity=load.validity_by(validity_of, evaluations),
             sample_ends=Bounds(low, high),
             leak_rate_p50=middle,
             after_test=True,
@@ -445,20 +452,20 @@ def _judge(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -
                 for name, scenario in load.scenarios.items()
             },
         )
-        loads.append(left.with_values(chance=_pass_chance(case, left, own, weights)))
-    judged = with_verdicts(case, loads)
+        loads.append(tested_load.with_values(chance=_pass_chance(case, tested_load, rates, weights)))
+    judged_loads = with_verdicts(case, loads)
     verdict = Verdicts(
-        seal_verdict(case, judged, seal.load_problems, seal.problem.hardness),
-        tuple(one.judgement for one in judged),
+        seal_verdict(case, judged_loads, seal.load_problems, seal.problem.hardness),
+        tuple(load.judgement for load in judged_loads),
     )
-    return SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
+    return SealSolution(**vars(seal.with_loads(judged_loads)), answers={VERDICT.name: verdict})
 
 
 def _sampled_as(load: CaseLoad, scenario: CaseLoad, low: float, high: float) -> CaseLoad:
     """A scenario of a load with the ends of draws that leak as much more than the load itself as it does."""
     assert load.leak is not None and scenario.leak is not None  # of draws
-    more = scenario.leak.leak_rate / load.leak.leak_rate if load.leak.leak_rate > 0.0 else 1.0
-    return scenario.with_values(sample_ends=Bounds(more * low, more * high))
+    ratio = scenario.leak.leak_rate / load.leak.leak_rate if load.leak.leak_rate > 0.0 else 1.0
+    return scenario.with_values(sample_ends=Bounds(ratio * low, ratio * high))
 
 
 def _pass_chance(case: Case, load: CaseLoad, y: FloatArray, weights: FloatArray) -> PassProbability | None:
@@ -467,20 +474,20 @@ def _pass_chance(case: Case, load: CaseLoad, y: FloatArray, weights: FloatArray)
         return None
     if why := why_none(case, load):
         return PassProbability(why_none=why)
-    most = min(math.log(one.leak_rate / one.ratio[1]) for one in limits(case, load.fluid_pressure, load))
-    share = min(float(weights[y <= most].sum()), 1.0)
+    top = min(math.log(limit.leak_rate / limit.ratio[1]) for limit in limits(case, load.fluid_pressure, load))
+    share = min(float(weights[y <= top].sum()), 1.0)
     return PassProbability(share, math.sqrt(share * (1.0 - share) * float((weights**2).sum())))
 
 
 def _exp(logarithms: Percentiles) -> Percentiles:
-    low, middle, high = (math.exp(one) if one > 0.5 * _NO_LEAK else 0.0 for one in logarithms)
+    low, middle, high = (math.exp(ln_rate) if ln_rate > 0.5 * _NO_LEAK else 0.0 for ln_rate in logarithms)
     return low, middle, high
 
 
 def _with_points(case: Case, points: Sequence[tuple[float, float]]) -> Case:
     pressures, forces = zip(*points, strict=True)
-    given = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
-    return case.replace({**given, "bolts": None})
+    entries = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
+    return case.replace({**entries, "bolts": None})
 
 
 def _alike(case: Case, other: Case) -> bool:
@@ -493,9 +500,9 @@ def _by_fluid_and_memory(
 ) -> Iterator[tuple[list[int], Case]]:
     """Readings with the same fluid and memory, by their numbers, with a case that has their loads."""
     groups: dict[tuple[str, Any], list[int]] = {}
-    for number, one in enumerate(readings):
+    for number, reading in enumerate(readings):
         if number not in without:
-            groups.setdefault((_fluid(one.case), one.case.load.earlier), []).append(number)
+            groups.setdefault((_fluid(reading.case), reading.case.load.earlier), []).append(number)
     for numbers in groups.values():
         yield (
             numbers,
@@ -512,27 +519,27 @@ def _earlier(case: Case) -> float:
     return math.nan if case.load.earlier is None else case.load.earlier[1]
 
 
-def _settings_for(case: Case, own: Case, settings: Uncertainty | None) -> Uncertainty | None:
+def _settings_for(case: Case, base: Case, settings: Uncertainty | None) -> Uncertainty | None:
     """What is uncertain with another fluid: not the viscosity of the case's own."""
-    return settings if _fluid(case) == _fluid(own) else case.sampled
+    return settings if _fluid(case) == _fluid(base) else case.sampled
 
 
 def _drive(readings: Sequence[MeasuredLeak]) -> FloatArray:
     """What drives a flow through an open path, in any unit: p of a liquid, p^2 of a gas, over the viscosity."""
-    found = []
-    for one in readings:
-        fluid, p = one.case.fluid, one.fluid_pressure
+    drives = []
+    for reading in readings:
+        fluid, p = reading.case.fluid, reading.fluid_pressure
         assert fluid is not None  # of all whose leak is asked for
         outlet = fluid.outlet_pressure or 0.0
-        found.append((p * (p + 2.0 * outlet) if fluid.gas is not None else p) / fluid.viscosity)
-    return np.array(found)
+        drives.append((p * (p + 2.0 * outlet) if fluid.gas is not None else p) / fluid.viscosity)
+    return np.array(drives)
 
 
 def _resample(weights: FloatArray, count: int, seed: int) -> IntArray:
     """Numbers of draws that stand for the weighted ones, each as often as it weighs."""
     places = (np.arange(count) + np.random.default_rng(seed).random()) / count
-    found = np.minimum(np.cumsum(weights).searchsorted(places), len(weights) - 1)
-    return np.asarray(np.random.default_rng(seed).permutation(found))
+    numbers = np.minimum(np.cumsum(weights).searchsorted(places), len(weights) - 1)
+    return np.asarray(np.random.default_rng(seed).permutation(numbers))
 
 
 def _posterior(
@@ -544,14 +551,14 @@ def _posterior(
     seed: int,
 ) -> Posterior:
     """Draws of the posterior, with the theory's error at the peak pressures of some loads."""
-    kept = _resample(weights, _POSTERIOR_DRAWS, seed)
-    names = [name for one in inputs for name in columns_of(one.name, one.dimensions)]
-    drawn = dict(zip(names, uniform[kept % _DRAWS].T, strict=False))
+    picks = _resample(weights, _POSTERIOR_DRAWS, seed)
+    names = [name for uncertain in inputs for name in columns_of(uncertain.name, uncertain.dimensions)]
+    columns = dict(zip(names, uniform[picks % _DRAWS].T, strict=False))
     if not np.ptp(joint.factor) > 0.0:
-        return Posterior(drawn, error=np.empty((_POSTERIOR_DRAWS, 0)))
+        return Posterior(columns, error=np.empty((_POSTERIOR_DRAWS, 0)))
     _, different = np.unique(joint.log_peak[loads].round(2), return_index=True)
-    chosen = np.array(loads)[different]
-    return Posterior(drawn, joint.log_peak[chosen], joint.error[np.ix_(kept, chosen)])
+    places = np.array(loads)[different]
+    return Posterior(columns, joint.log_peak[places], joint.error[np.ix_(picks, places)])
 
 
 # -------------------------------------------------------------------- other theories, histories and tests
@@ -576,24 +583,24 @@ def _alternatives(
         (scenario.name, {"leak.theory": scenario.name})
         for scenario in with_own_contacts(SealProblem.of(with_contact_temperatures(case)))
     ]
-    if any(one.case.load.earlier is not None for one in readings):
+    if any(reading.case.load.earlier is not None for reading in readings):
         others.append(
             ("first loading", {"load.largest_earlier_force": None, "load.largest_earlier_pressure": None})
         )
     for name, changes in others:
         with suppress(SealError):
-            changed = [replace(one, case=one.case.replace(changes)) for one in readings]
+            variants = [replace(reading, case=reading.case.replace(changes)) for reading in readings]
             groups, order = [], []
-            for numbers, measured in _by_fluid_and_memory(changed):
+            for numbers, leak_case in _by_fluid_and_memory(variants):
                 progress(f"leak rates of the readings: {name}")
-                groups.append(_group(measured, _settings_for(measured, case, settings), values, progress))
+                groups.append(_group(leak_case, _settings_for(leak_case, case, settings), values, progress))
                 order += numbers
             joint = _Joint.of(groups, 1)
-            found = Data.of(readings, joint.slack).log_likelihood(joint.y[:, np.argsort(order)])
-            evidence[name] = float(logsumexp(found)) - math.log(len(found))
-    most = max(evidence.values())
-    shares = {name: math.exp(one - most) for name, one in evidence.items()}
-    return {name: one / sum(shares.values()) for name, one in shares.items()}
+            likelihoods = Data.of(readings, joint.slack).log_likelihood(joint.y[:, np.argsort(order)])
+            evidence[name] = float(logsumexp(likelihoods)) - math.log(len(likelihoods))
+    largest = max(evidence.values())
+    shares = {name: math.exp(value - largest) for name, value in evidence.items()}
+    return {name: share / sum(shares.values()) for name, share in shares.items()}
 
 
 def _load_tests(case: Case) -> list[tuple[str, tuple[float, float]]]:
@@ -601,11 +608,11 @@ def _load_tests(case: Case) -> list[tuple[str, tuple[float, float]]]:
     if curves(case):
         return []  # whose loads are a path
     pressure, force = case.load.points[-1]
-    known = set(case.load.points)
-    wanted = [("pressure", (0.5 * pressure, force))]
+    points = set(case.load.points)
+    tests = [("pressure", (0.5 * pressure, force))]
     if force > 0.0:
-        wanted += [("force", (pressure, 2.0 * force)), ("force", (pressure, 0.5 * force))]
-    return [(name, point) for name, point in wanted if point not in known]
+        tests += [("force", (pressure, 2.0 * force)), ("force", (pressure, 0.5 * force))]
+    return [(name, point) for name, point in tests if point not in points]
 
 
 def _other_tests(case: Case) -> Iterator[tuple[str, Case]]:
@@ -625,16 +632,16 @@ def _next_tests(
     log_rate = np.array([[target, *(y for _, y in candidates)]])
     noise = np.random.default_rng(1).standard_normal((measurements.TRUTHS, len(values) + 1))
     draws = measurements.Draws(_SHARES[2] - _SHARES[0], values, log_rate, np.zeros(target.size), noise)
-    known, own, alone = measurements.instruments(), draws.log_rate[:, 0], Bounds(1.0, 1.0)
-    (accuracy,) = known[measurements.LEAK_TEST]["accuracies"].values()
-    shown = [(test, draws.weigh_test(at, accuracy, alone)) for at, (test, _) in enumerate(candidates, 1)]
+    instruments, rates, alone = measurements.instruments(), draws.log_rate[:, 0], Bounds(1.0, 1.0)
+    (accuracy,) = instruments[measurements.LEAK_TEST]["accuracies"].values()
+    weighted = [(test, draws.weigh_test(at, accuracy, alone)) for at, (test, _) in enumerate(candidates, 1)]
     if "hardness" in values:
-        shown.append((NextTest("hardness"), draws.weigh(known["hardness_test"]["accuracies"])))
-    now = draws.width(own, measurements.EVEN_WEIGHTS)
-    after = ((test, draws.width(own, weights)) for test, weights in shown)
-    found = [
-        replace(test, width=math.exp(min(now, 700.0)), expected_width=math.exp(min(left, 700.0)))
-        for test, left in after
-        if now is not None and left is not None
+        weighted.append((NextTest("hardness"), draws.weigh(instruments["hardness_test"]["accuracies"])))
+    width_now = draws.width(rates, measurements.EVEN_WEIGHTS)
+    widths = ((test, draws.width(rates, weights)) for test, weights in weighted)
+    tests = [
+        replace(test, width=math.exp(min(width_now, 700.0)), expected_width=math.exp(min(width, 700.0)))
+        for test, width in widths
+        if width_now is not None and width is not None
     ]
-    return tuple(sorted(found, key=lambda one: one.expected_width))
+    return tuple(sorted(tests, key=lambda test: test.expected_width))

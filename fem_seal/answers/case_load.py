@@ -118,20 +118,20 @@ class CaseLoad(LoadResult):
         load : LoadResult
         scenarios : mapping, optional
         """
-        made = object.__new__(cls)
-        vars(made).update(vars(load), scenarios=scenarios or {})
-        return made.with_values()
+        case_load = object.__new__(cls)
+        vars(case_load).update(vars(load), scenarios=scenarios or {})
+        return case_load.with_values()
 
-    def with_values(self, **known: object) -> Self:
+    def with_values(self, **values: object) -> Self:
         """See `LoadResult.with_values`; the interval follows from what a load knows, and is made anew.
 
         Parameters
         ----------
-        known : object
+        values : object
         """
-        other = super().with_values(**known)
-        vars(other).pop("leak_interval" if "leak_interval" not in known else "", None)
-        return other
+        load = super().with_values(**values)
+        vars(load).pop("leak_interval" if "leak_interval" not in values else "", None)
+        return load
 
     def scenario(self, name: str) -> CaseLoad | None:
         """The load in a scenario; itself where it is that one, None where it does not stand beside.
@@ -147,15 +147,15 @@ class CaseLoad(LoadResult):
         """What its own scenario is called: by its surface, and by its theory unless it is simulated."""
         return names(None, None) if self.rough is None else names(self.rough.surface, self.rough.flow)
 
-    def with_scenarios(self, known: Mapping[str, CaseLoad]) -> Self:
+    def with_scenarios(self, scenarios: Mapping[str, CaseLoad]) -> Self:
         """A copy in which some scenarios are others, or stand beside as well.
 
         Parameters
         ----------
-        known : mapping
+        scenarios : mapping
             By their names.
         """
-        return self.with_values(scenarios={**self.scenarios, **known})
+        return self.with_values(scenarios={**self.scenarios, **scenarios})
 
     @property
     def others(self) -> dict[str, CaseLoad]:
@@ -165,9 +165,9 @@ class CaseLoad(LoadResult):
     @property
     def leak_range(self) -> Bounds | None:
         """Ends of the leak rates of the scenarios in the interval and the load's own [m^3/s]; None without others."""
-        beside = [load for name, load in self.scenarios.items() if SCENARIOS[name].in_interval]
-        leaks = [load.leak for load in (self, *beside)]
-        return Bounds.of(leak.leak_rate for leak in leaks if leak) if beside and all(leaks) else None
+        others = [load for name, load in self.scenarios.items() if SCENARIOS[name].in_interval]
+        leaks = [load.leak for load in (self, *others)]
+        return Bounds.of(leak.leak_rate for leak in leaks if leak) if others and all(leaks) else None
 
     def load_in_scenario(self, name: str) -> CaseLoad | None:
         """The load in a scenario on its contact, with what is known of the load itself; None where it is that one.
@@ -186,7 +186,7 @@ class CaseLoad(LoadResult):
             and self.leak.leak_rate > 0.0
         ):
             # let through as much more as at the preload that is meant
-            ends = Bounds.of(one * other.leak.leak_rate / self.leak.leak_rate for one in ends)
+            ends = Bounds.of(end * other.leak.leak_rate / self.leak.leak_rate for end in ends)
         return other.with_values(
             at_preload_ends=ends,
             rougher=self.rougher,
@@ -232,8 +232,8 @@ class CaseLoad(LoadResult):
         # the check of a case loads no finite elements
         from fem_seal.contact.solution import yielding_of
 
-        beyond = [yielding_of(load.contact) for load in self.parts]
-        return {name: beyond[number].get(body) for name, (number, body) in self.named_bodies.items()}
+        zones = [yielding_of(load.contact) for load in self.parts]
+        return {name: zones[number].get(body) for name, (number, body) in self.named_bodies.items()}
 
     def __repr__(self) -> str:
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
@@ -255,10 +255,10 @@ class CaseLoad(LoadResult):
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
         if leak is not None:
-            known = all("leak" in vars(load) for load in self.others.values()) and self.has_interval
-            told = self.leak_interval if known and self.leak_interval is not None else leak.leak_rate
-            claimed = not self.validity.outside_theory
-            parts.append(f"leak rate {leak_range_text(told, self.leak_digits, claimed=claimed)}")
+            is_known = all("leak" in vars(load) for load in self.others.values()) and self.has_interval
+            rate = self.leak_interval if is_known and self.leak_interval is not None else leak.leak_rate
+            is_claimed = not self.validity.outside_theory
+            parts.append(f"leak rate {leak_range_text(rate, self.leak_digits, claimed=is_claimed)}")
         return ", ".join([*parts, str(self.validity.level)])
 
     def digits_of(self, name: str) -> int:
@@ -270,10 +270,10 @@ class CaseLoad(LoadResult):
             Stresses in the bodies are as good as the peak pressure.
         """
         validity = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
-        known = DIGITS if validity is None else digits_within(validity.leak_error)
+        digits = DIGITS if validity is None else digits_within(validity.leak_error)
         # a leak rate off by orders of magnitude leaves more of the force, which stands beside its line load
         least = 3 if name == "force_for_target" else 1
-        return max(min(known, super().digits_of("leak_rate" if least > 1 else name)), least)
+        return max(min(digits, super().digits_of("leak_rate" if least > 1 else name)), least)
 
     @property
     def digits(self) -> int:
@@ -293,8 +293,8 @@ class CaseLoad(LoadResult):
         # a lay stretches waves one way and shortens them as much the other
         wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
         profile = self.tightest
-        around = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
-        return surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
+        circle = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
+        return surface.flow_error(self.peak_pressure, waves=self.fwhm * circle / wavelength**2)
 
     @property
     def stop_force(self) -> float | None:
@@ -305,9 +305,9 @@ class CaseLoad(LoadResult):
     def remembers(self) -> bool:
         """Whether a place that carries the load has carried more before."""
         return any(
-            bool((one.largest > AGREE * np.maximum(one.pressure, 0.01 * one.pressure.max())).any())
-            for one in self.contacts
-            if one.largest is not None
+            bool((face.largest > AGREE * np.maximum(face.pressure, 0.01 * face.pressure.max())).any())
+            for face in self.contacts
+            if face.largest is not None
         )
 
     @cached_property
@@ -316,7 +316,7 @@ class CaseLoad(LoadResult):
         flow = None if self.rough is None else self.rough.flow
         if self.rough is None or flow is None:
             return math.inf, math.inf
-        radius = min(float(one.radius.min()) for one in self.profiles)
+        radius = min(float(profile.radius.min()) for profile in self.profiles)
         bore = flow.through_open_bore(self.fluid_pressure, radius)
         # what a form error leaves open is no rough gap
         if self.circumference is not None:
@@ -348,8 +348,8 @@ class CaseLoad(LoadResult):
             contact.loads.face_temperature(body, contact.pressure, model)
             for body in (model.closure, model.seat)
         ]
-        known = [one for one in faces if one is not None]
-        return sum(known) / 2 if len(known) == 2 else None
+        temperatures = [value for value in faces if value is not None]
+        return sum(temperatures) / 2 if len(temperatures) == 2 else None
 
     @property
     def gap_pressure(self) -> NDArray[np.float64] | None:
@@ -376,19 +376,19 @@ class CaseLoad(LoadResult):
     def leak_validity(self) -> Validity:
         """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
         # the samples have the theory's own error
-        own = self.theory_error if self.sample_ends is None else EXACT
+        error = self.theory_error if self.sample_ends is None else EXACT
         share = None if self.mesh_error is None else self.mesh_error.leak_rate
-        return _add_doubts(self.validity, share, own)
+        return _add_doubts(self.validity, share, error)
 
     @property
     def calculated_ends(self) -> Bounds | None:
         """`leak_interval` without what the calculation may be off by [m^3/s]."""
         if self.leak is None:
             return None
-        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sample_ends or ())]
+        rates = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sample_ends or ())]
         if self.after_test and self.sample_ends is not None:
-            known = [*self.sample_ends]
-        return Bounds.of([*known, *(self.at_preload_ends or ())])
+            rates = [*self.sample_ends]
+        return Bounds.of([*rates, *(self.at_preload_ends or ())])
 
     @cached_property
     def leak_interval(self) -> Bounds | None:
@@ -400,8 +400,8 @@ class CaseLoad(LoadResult):
         ends = self.calculated_ends
         if self.leak is None or ends is None:
             return None
-        before, most = partial(getattr, self, "leak_before_sealing"), partial(getattr, self, "most_leak")
-        return _combine_ends(self.leak.leak_rate, ends, self.leak_validity, self.rougher, before, most)
+        sealing, limit = partial(getattr, self, "leak_before_sealing"), partial(getattr, self, "most_leak")
+        return _combine_ends(self.leak.leak_rate, ends, self.leak_validity, self.rougher, sealing, limit)
 
     @property
     def most_leak(self) -> float:
@@ -413,8 +413,8 @@ class CaseLoad(LoadResult):
     def has_interval(self) -> bool:
         """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
         ends = self.leak_interval
-        made = any(one is not None for one in (self.leak_range, self.sample_ends, self.at_preload_ends))
-        return ends is not None and (made or ends.is_range)
+        varies = any(pair is not None for pair in (self.leak_range, self.sample_ends, self.at_preload_ends))
+        return ends is not None and (varies or ends.is_range)
 
     @property
     def verdict(self) -> Verdict | None:
@@ -481,29 +481,29 @@ def case_loads(
     different = {id(load): load for load in loads}
     models = {id(load.rough): load.rough for load in loads}
     ready = {key: model and prepare("", model) for key, model in models.items()}
-    known = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
-    made = dict(zip(different, _add_scenarios(problem, known, prepare), strict=True))
-    return [made[id(load)] for load in loads]
+    ready_loads = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
+    results = dict(zip(different, _add_scenarios(problem, ready_loads, prepare), strict=True))
+    return [results[id(load)] for load in loads]
 
 
 def _add_scenarios(
     problem: SealProblem, loads: Sequence[LoadResult], prepare: Prepare, *, interval_alone: bool = False
 ) -> list[CaseLoad]:
     """Loads with the scenarios beside them, or with those alone of which the interval is made."""
-    beside: list[dict[str, CaseLoad]] = [{} for _ in loads]
+    scenarios: list[dict[str, CaseLoad]] = [{} for _ in loads]
     for scenario in alternatives_on_contact(problem):
         if interval_alone and not SCENARIOS[scenario.name].in_interval:
             continue
         others = scenario.on_contacts(loads, partial(prepare, scenario.name))
         different = [number for number, other in enumerate(others) if other is not loads[number]]
-        changed = [others[number] for number in different]
+        new_loads = [others[number] for number in different]
         if SCENARIOS[scenario.name].has_interval:
-            made = _add_scenarios(scenario.problem, changed, prepare, interval_alone=True)
+            results = _add_scenarios(scenario.problem, new_loads, prepare, interval_alone=True)
         else:
-            made = list(map(CaseLoad.of, changed))
-        for number, load in zip(different, made, strict=True):
-            beside[number][scenario.name] = load
-    return list(map(CaseLoad.of, loads, beside))
+            results = list(map(CaseLoad.of, new_loads))
+        for number, load in zip(different, results, strict=True):
+            scenarios[number][scenario.name] = load
+    return list(map(CaseLoad.of, loads, scenarios))
 
 
 def rate_of(load: CaseLoad) -> float | Bounds:
@@ -584,12 +584,12 @@ class SolvedSeal:
     @property
     def load_problems(self) -> dict[tuple[float, float], LoadProblem]:
         """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
-        return {one.point: one.problem for one in self.missing_loads}
+        return {load.point: load.problem for load in self.missing_loads}
 
     @property
     def every_load(self) -> list[AnyLoad]:
         """The loads of the case in its order, with those that could not be calculated."""
-        return in_order([*self.loads], self.missing_loads, lambda one: one)
+        return in_order([*self.loads], self.missing_loads, lambda load: load)
 
     @property
     def parts(self) -> tuple[SolvedSeal, ...]:
@@ -597,9 +597,9 @@ class SolvedSeal:
         if not self.other_parts:
             return (self,)
         first, *others = zip(*(load.parts for load in self.loads), strict=True)
-        known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
+        values = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
         return (
-            SolvedSeal(**{**known, "loads": first, "other_parts": ()}),
+            SolvedSeal(**{**values, "loads": first, "other_parts": ()}),
             *(replace(part, loads=loads) for part, loads in zip(self.other_parts, others, strict=True)),
         )
 
@@ -611,11 +611,11 @@ class SolvedSeal:
     @property
     def imprints(self) -> dict[str, Imprint]:
         """Lasting imprints by the name of the body, see `CaseLoad.named_bodies`."""
-        unloaded = [part.unloaded_bodies for part in (self, *self.other_parts)]
+        of_parts = [part.unloaded_bodies for part in (self, *self.other_parts)]
         return {
-            name: after.imprints[body]
+            name: bodies.imprints[body]
             for name, (number, body) in self.loads[0].named_bodies.items()
-            if (after := unloaded[number]) is not None and body in after.imprints
+            if (bodies := of_parts[number]) is not None and body in bodies.imprints
         }
 
     def with_parts(self, parts: Sequence[SolvedSeal]) -> Self:
@@ -626,8 +626,8 @@ class SolvedSeal:
         parts : sequence of SolvedSeal
             Its `parts`.
         """
-        each = zip(self.loads, *(part.loads for part in parts), strict=True)
-        loads = tuple(load.with_parts(of_parts) for load, *of_parts in each)
+        rows = zip(self.loads, *(part.loads for part in parts), strict=True)
+        loads = tuple(load.with_parts(of_parts) for load, *of_parts in rows)
         return replace(self, loads=loads, other_parts=tuple(parts[1:]))
 
     def with_loads(self, loads: Sequence[CaseLoad]) -> Self:
@@ -682,13 +682,13 @@ def _add_doubts(validity: Validity, mesh_error: float | None, own_error: Bounds)
         Factors on the leak rate between which direct simulation finds it.
     """
     # the interval holds what a simulation leaves open
-    known = list(validity.without_kinds(DIRECT_SCATTER).cautions)
+    cautions = list(validity.without_kinds(DIRECT_SCATTER).cautions)
     if mesh_error is not None and mesh_error > 0.0:
         factors = Bounds.factor_bounds(1.0 + mesh_error)
-        known.append(Finding("mesh_left", Level.VALID, {"share": mesh_error}, factors))
+        cautions.append(Finding("mesh_left", Level.VALID, {"share": mesh_error}, factors))
     if own_error != EXACT:
-        known.append(Finding("own_error", Level.VALID, {"factors": own_error}, own_error))
-    return Validity.of(known)
+        cautions.append(Finding("own_error", Level.VALID, {"factors": own_error}, own_error))
+    return Validity.of(cautions)
 
 
 def _combine_ends(
@@ -716,16 +716,16 @@ def _combine_ends(
         only where they count.
     """
     # the threshold is that of the surface as given: rougher samples are further from it, and leak no more by it
-    near = [
+    factors = [
         finding.leak_factor.high for finding in doubts.cautions if finding.kind in (NEARLY_SEALED, SEALED)
     ]
-    by_threshold = before_sealing() if near else 0.0
-    if near and not by_threshold and rate > 0.0:
-        by_threshold = math.prod(near) * rate
-    most = doubts.without_kinds(NEARLY_SEALED, SEALED).leak_factor.high
-    found = Bounds(ends.low * doubts.leak_factor.low, max(ends.high, rougher * by_threshold) * most)
+    by_threshold = before_sealing() if factors else 0.0
+    if factors and not by_threshold and rate > 0.0:
+        by_threshold = math.prod(factors) * rate
+    widening = doubts.without_kinds(NEARLY_SEALED, SEALED).leak_factor.high
+    interval = Bounds(ends.low * doubts.leak_factor.low, max(ends.high, rougher * by_threshold) * widening)
     # faces that are lifted off, as at the least preload, have no gap that bounds what passes
-    if not found.is_range or math.isinf(ends.high):
-        return found
+    if not interval.is_range or math.isinf(ends.high):
+        return interval
     limit = max(most_leak(), rate)
-    return Bounds(min(found.low, limit), min(found.high, limit))
+    return Bounds(min(interval.low, limit), min(interval.high, limit))

@@ -117,12 +117,12 @@ def solve(
         In their order; all that are asked for unless given.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
-    seal = _solve_loads(case, clock, steps, told=progress is not None)
+    seal = _solve_loads(case, clock, steps, tells=progress is not None)
     solver = LoadSolver(seal.problem, seal.model)
     request = Request(solver, clock, sensitivities, verdict_force, full, steps, solve=solve)
     others = () if full else shown_in_full(seal)
-    asked = [answer for answer in ANSWERS if answer.name not in others]
-    return _answer_all(seal, request, asked if answers is None else answers)
+    all_answers = [answer for answer in ANSWERS if answer.name not in others]
+    return _answer_all(seal, request, all_answers if answers is None else answers)
 
 
 # What is asked of given contacts: all that needs no bodies.
@@ -160,9 +160,9 @@ def solve_profiles(
             _add_values(steps, _compute(steps, load, _LEAK), _SEPARATION)
             for load in leak_of_profiles(problem, profiles)
         ]
-    nothing: Any = None  # of what has no bodies
-    seal = SolvedSeal(case, problem, nothing, nothing, tuple(loads))
-    request = Request(nothing, clock, steps=steps, answers={"profiles": tuple(profiles)})
+    no_bodies: Any = None  # of what has no bodies
+    seal = SolvedSeal(case, problem, no_bodies, no_bodies, tuple(loads))
+    request = Request(no_bodies, clock, steps=steps, answers={"profiles": tuple(profiles)})
     return _answer_all(seal, request, _OF_PROFILES)
 
 
@@ -175,29 +175,29 @@ def _answer_all(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any
     )
 
 
-def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:
+def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, tells: bool = False) -> SolvedSeal:
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
         case = with_contact_temperatures(case) if case.conducts_heat else case
         problems = problems_of(case)
-        whole = problems[0]
-        _ = whole.law  # made once for each surface, and here, where it is timed
-    for text in foresee_findings(whole) if told else ():
+        first = problems[0]
+        _ = first.law  # made once for each surface, and here, where it is timed
+    for text in foresee_findings(first) if tells else ():
         clock.progress(text)
-    _simulate(whole, clock)
-    refused = whole.loads.refused
-    if refused:  # else the problems keep their laws
-        problems = under_loads(problems, whole.loads.without_loads(refused))
-    found = evaluate_seal(problems, clock=clock)
-    kept = [number for number in range(len(whole.loads.points)) if number not in refused]
-    unsolved = {kept[number]: one for number, one in found[0].solved_loads.problems.items()}
-    missing = {**refused, **unsolved}
-    for error in [part.solved_loads.not_unloaded for part in found if part.solved_loads.not_unloaded][:1]:
+    _simulate(first, clock)
+    refused_loads = first.loads.refused
+    if refused_loads:  # else the problems keep their laws
+        problems = under_loads(problems, first.loads.without_loads(refused_loads))
+    parts = evaluate_seal(problems, clock=clock)
+    numbers = [number for number in range(len(first.loads.points)) if number not in refused_loads]
+    unsolved_loads = {numbers[number]: why for number, why in parts[0].solved_loads.problems.items()}
+    causes = {**refused_loads, **unsolved_loads}
+    for error in [part.solved_loads.not_unloaded for part in parts if part.solved_loads.not_unloaded][:1]:
         steps.name_failure("residual stress and imprint", error)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
             _add_values(steps, _compute(steps, load, {} if load.circumference is None else _BY_ANGLE), _LEAK)
-            for load in loads_of(found, partial(_with_table, steps))
+            for load in loads_of(parts, partial(_with_table, steps))
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
@@ -207,12 +207,12 @@ def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool =
             _compute(steps, _add_values(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
     return replace(
-        SolvedSeal.of(found, case.without_loads(missing), loads),
+        SolvedSeal.of(parts, case.without_loads(causes), loads),
         missing_loads=tuple(
-            MissingLoad(number, *whole.loads.points[number], missing[number], whole.loads.bolts is not None)
-            for number in sorted(missing)
+            MissingLoad(number, *first.loads.points[number], causes[number], first.loads.bolts is not None)
+            for number in sorted(causes)
         ),
-        missing_load_findings=tuple(not_calculated(whole.loads, missing)),
+        missing_load_findings=tuple(not_calculated(first.loads, causes)),
     )
 
 
@@ -236,7 +236,7 @@ def _add_values(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str])
     load = _compute(steps, load, values)
     return load.with_scenarios(
         {
-            name: _compute(steps, other, {value: f"{what} of {asperities}" for value, what in values.items()})
+            name: _compute(steps, other, {value: f"{text} of {asperities}" for value, text in values.items()})
             for name, other in load.scenarios.items()
             if (asperities := SCENARIOS[name].asperities)
         }
@@ -244,7 +244,7 @@ def _add_values(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str])
 
 
 def _compute(
-    steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str], otherwise: object = None
+    steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str], fallback: object = None
 ) -> CaseLoad:
     at = f" at {format_quantity('fluid pressure', load.fluid_pressure)}"
-    return steps.compute_values(load, {name: f"{what}{at}" for name, what in values.items()}, otherwise)
+    return steps.compute_values(load, {name: f"{text}{at}" for name, text in values.items()}, fallback)

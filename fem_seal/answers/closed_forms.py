@@ -169,22 +169,22 @@ def derive_beside(result: SolvedSeal) -> ClosedForms:
     """
     if result.of_profile:
         return derive(result.case)
-    held = [load.contact_force if load.stop_force else None for load in result.loads]
-    return _derive_from_forces(problems_of(result.case), held)
+    forces = [load.contact_force if load.stop_force else None for load in result.loads]
+    return _derive_from_forces(problems_of(result.case), forces)
 
 
-def _derive_from_forces(problems: Sequence[SealProblem], held: Sequence[float | None]) -> ClosedForms:
+def _derive_from_forces(problems: Sequence[SealProblem], forces: Sequence[float | None]) -> ClosedForms:
     """Of a contact force F_N for each load [N], or of the one that is expected; of several problems the first one's."""
     problem, surface = problems[0], problems[0].surface
     loads = tuple(
         _derive_load(problems, *point, force, profiles=number not in problem.loads.refused)
-        for number, (point, force) in enumerate(zip(problem.loads.points, held, strict=True))
+        for number, (point, force) in enumerate(zip(problem.loads.points, forces, strict=True))
     )
     decay_length, law_pressure = exponential_law(problem.interface, surface)
-    closed = [load.crossover for load in loads if load.crossover is not None]
+    crossovers = [load.crossover for load in loads if load.crossover is not None]
     law = _stiffening_law(problem)
-    if decay_length is None and law is not None and closed:
-        strongest = max(closed, key=lambda one: one.line_load)
+    if decay_length is None and law is not None and crossovers:
+        strongest = max(crossovers, key=lambda line: line.line_load)
         gap = float(law.gap(np.array([math.log(strongest.peak_pressure)]))[0])
         decay_length = strongest.u0
         law_pressure = strongest.peak_pressure * math.exp(gap / decay_length)
@@ -201,29 +201,29 @@ def _derive_from_forces(problems: Sequence[SealProblem], held: Sequence[float | 
     )
 
 
-def closed_form_limits(case: Case, derived: ClosedForms) -> str:
+def closed_form_limits(case: Case, forms: ClosedForms) -> str:
     """Why the closed forms are not what a run finds: a law or faces that change within the contact; "" if they are.
 
     Parameters
     ----------
     case : Case
-    derived : ClosedForms
+    forms : ClosedForms
         Of the same case.
     """
     law = _stiffening_law(SealProblem.of(case))
-    for load in derived.loads:
-        closed = load.crossover or load.hertz
-        if closed is None:
+    for load in forms.loads:
+        line = load.crossover or load.hertz
+        if line is None:
             continue
         if law is not None and load.crossover is not None:
-            there = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
-            if there < (1 - _STIFFER) * load.crossover.u0:
-                lengths = {"low": load.crossover.u0, "peak": there}
+            peak_length = float(law.decay_length(np.array([math.log(line.peak_pressure)]))[0])
+            if peak_length < (1 - _STIFFER) * load.crossover.u0:
+                lengths = {"low": load.crossover.u0, "peak": peak_length}
                 return sentence("closed_forms", "stiffer", pressure=load.fluid_pressure, **lengths)
         # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
-        inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
-        if len(inside):
-            nearest = float(np.abs(inside).min())
+        breaks = case.contact.breaks[np.abs(case.contact.breaks) < 2 * line.std]
+        if len(breaks):
+            nearest = float(np.abs(breaks).min())
             return sentence("closed_forms", "breaks", pressure=load.fluid_pressure, nearest=nearest)
     return ""
 
@@ -234,33 +234,33 @@ def without_stop(case: Case) -> str:
     return sentence("closed_forms", "stop") if stops else ""
 
 
-def strain_limit(derived: ClosedForms) -> str:
+def strain_limit(forms: ClosedForms) -> str:
     """From which load on the closed forms expect more than small strains; "" if from none.
 
     Parameters
     ----------
-    derived : ClosedForms
+    forms : ClosedForms
     """
-    for load in derived.loads:
-        closed = load.crossover or load.hertz
-        turned = 0.0 if closed is None else 2 * closed.peak_pressure / derived.effective_modulus
-        if turned > TURNED:
+    for load in forms.loads:
+        line = load.crossover or load.hertz
+        angle = 0.0 if line is None else 2 * line.peak_pressure / forms.effective_modulus
+        if angle > TURNED:
             limits = {"limit": TURNED, "largest": LARGEST_TURNING}
-            return sentence("closed_forms", "strain", pressure=load.fluid_pressure, turned=turned, **limits)
+            return sentence("closed_forms", "strain", pressure=load.fluid_pressure, turned=angle, **limits)
     return ""
 
 
-def nearly_open(derived: ClosedForms) -> str:
+def nearly_open(forms: ClosedForms) -> str:
     """Which loads the fluid carries on the sealed area, so that only a run decides about them; "" if there are none.
 
     Parameters
     ----------
-    derived : ClosedForms
+    forms : ClosedForms
     """
     unit = fixed_unit("bar")
-    carried = [load.fluid_pressure for load in derived.loads if math.isnan(load.contact_force)]
-    pressures = ", ".join(f"{unit.of(pressure):.6g}" for pressure in carried) + f" {unit.name}"
-    return sentence("closed_forms", "nearly_open", pressures=pressures) if carried else ""
+    values = [load.fluid_pressure for load in forms.loads if math.isnan(load.contact_force)]
+    pressures = ", ".join(f"{unit.of(pressure):.6g}" for pressure in values) + f" {unit.name}"
+    return sentence("closed_forms", "nearly_open", pressures=pressures) if values else ""
 
 
 def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
@@ -277,7 +277,7 @@ def _derive_load(
     problems: Sequence[SealProblem],
     fluid_pressure: float,
     applied_force: float,
-    held: float | None,
+    given_force: float | None,
     *,
     profiles: bool,
 ) -> ClosedForm:
@@ -285,7 +285,7 @@ def _derive_load(
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
     side = problem.loads.pressure_side
-    force = problem.expected_force(fluid_pressure, applied_force) if held is None else held
+    force = problem.expected_force(fluid_pressure, applied_force) if given_force is None else given_force
     if force > contact_force(r0, fluid_pressure, applied_force, side):
         # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
         force, profiles = math.nan, False
@@ -311,10 +311,8 @@ def _decay_length(problem: SealProblem, line_load: float) -> float | None:
     assert problem.surface is not None  # of law spectrum
     u0 = problem.surface.spectrum.rms_height
     for _ in range(_PEAKS):
-        closed = leak.crossover_line(
-            line_load, problem.contact.relative_radius, problem.effective_modulus, u0
-        )
-        u0 = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
+        line = leak.crossover_line(line_load, problem.contact.relative_radius, problem.effective_modulus, u0)
+        u0 = float(law.decay_length(np.array([math.log(line.peak_pressure)]))[0])
     return u0
 
 
@@ -374,96 +372,96 @@ def widths(profiles: Sequence[Any]) -> FloatArray:
     return np.array([p.fwhm for p in profiles])
 
 
-def profile_sizes(result: SolvedSeal, derived: ClosedForms) -> dict[str, Sizes]:
+def profile_sizes(result: SolvedSeal, forms: ClosedForms) -> dict[str, Sizes]:
     """Sizes of the "calculated" profiles and of each closed form that the case has, over its loads.
 
     Parameters
     ----------
     result : SolvedSeal
-    derived : ClosedForms
+    forms : ClosedForms
         Closed forms of the case.
     """
     sizes = {"calculated": Sizes.of(result.profiles)}
     for name in () if result.of_profile else CLOSED_FORMS:
-        profiles = [getattr(load, name) for load in derived.loads]
+        profiles = [getattr(load, name) for load in forms.loads]
         if all(profile is not None for profile in profiles):
             sizes[name] = Sizes.of(profiles)
     return sizes
 
 
-def foresee_findings(problem: SealProblem, derived: ClosedForms | None = None) -> Iterator[str]:
+def foresee_findings(problem: SealProblem, forms: ClosedForms | None = None) -> Iterator[str]:
     """Loads that are not calculated, and bodies that yield though they are solved as elastic, one sentence for each.
 
     Parameters
     ----------
     problem : SealProblem
-    derived : ClosedForms, optional
+    forms : ClosedForms, optional
         Of the same problem.
     """
-    yield from (one.text for one in not_calculated(problem.loads, problem.loads.refused))
-    yield from foresee_yielding(problem, derived or derive_problems([problem]))
+    yield from (finding.text for finding in not_calculated(problem.loads, problem.loads.refused))
+    yield from foresee_yielding(problem, forms or derive_problems([problem]))
 
 
-def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = False) -> float | None:
+def run_seconds(problem: SealProblem, *, samples: bool = False, target: bool = False) -> float | None:
     """Estimated processor time of a run of bodies that yield [s]; None where none does.
 
     Parameters
     ----------
     problem : SealProblem
-    sampled : bool
+    samples : bool
         With samples of uncertain inputs or of a drawing's finish.
     target : bool
         With the force for a target leak rate.
     """
-    kept = problem.loads.without_loads(problem.loads.refused)
-    if not (problem.curves and kept.points):
+    loads = problem.loads.without_loads(problem.loads.refused)
+    if not (problem.curves and loads.points):
         return None
-    return (1.0 + _FOR_SAMPLES * sampled + _FOR_TARGET * target) * _seconds(replace(problem, loads=kept))
+    return (1.0 + _FOR_SAMPLES * samples + _FOR_TARGET * target) * _seconds(replace(problem, loads=loads))
 
 
-def foresee_yielding(problem: SealProblem, derived: ClosedForms) -> Iterator[str]:
+def foresee_yielding(problem: SealProblem, forms: ClosedForms) -> Iterator[str]:
     """Bodies solved as elastic whose stress the closed forms expect above their yield stress.
 
     Parameters
     ----------
     problem : SealProblem
-    derived : ClosedForms
+    forms : ClosedForms
     """
-    closed = [(load.contact_force, load.line_load, load.crossover or load.hertz) for load in derived.loads]
-    loads = sorted((one.peak_pressure, force, f) for force, f, one in closed if one is not None)
+    lines = [(load.contact_force, load.line_load, load.crossover or load.hertz) for load in forms.loads]
+    loads = sorted((line.peak_pressure, force, f) for force, f, line in lines if line is not None)
     if not loads:
         return
     # a body that yields lets no more through to the other one
     loads = [(min(pressure, bearable_pressure(problem, f)), force, f) for pressure, force, f in loads]
     peak, _, line_load = loads[-1]
-    said: dict[str, list[str]] = {}
+    bodies: dict[str, list[str]] = {}
     for name, material in problem.materials.items():
-        known = material.yield_stress is not None
+        is_known = material.yield_stress is not None
         limit = material.yield_stress or (material.hardness or 0.0) / HARDNESS_OVER_YIELD_STRESS
-        above = [force for pressure, force, _ in loads if _VON_MISES * pressure > limit]
-        if material.hardening is not None or not (limit and above):
+        above_limit = [force for pressure, force, _ in loads if _VON_MISES * pressure > limit]
+        if material.hardening is not None or not (limit and above_limit):
             continue
-        below = [force for _, force, _ in loads if force < min(above)]
+        below_limit = [force for _, force, _ in loads if force < min(above_limit)]
         excess, hardness = _VON_MISES * peak / limit, material.hardness
-        crushed = hardness is not None and peak > hardness
+        is_crushed = hardness is not None and peak > hardness
         text = sentence(
             "foreseen",
             material=material.name,
-            first=short_quantity("force", min(above)),
+            first=short_quantity("force", min(above_limit)),
             # only the forces of the case are looked at: where between two of them it begins is not known
-            not_yet=sentence("foreseen", "not_yet", force=short_quantity("force", max(below)))
-            if below
+            not_yet=sentence("foreseen", "not_yet", force=short_quantity("force", max(below_limit)))
+            if below_limit
             else "",
             # two digits, or as many as say that it is above one
             excess=f"{excess:.2g}" if excess >= 1.05 else f"{max(excess, 1.01):.2f}",
             limit=fixed_quantity("MPa", limit, 3),
-            which=sentence("foreseen", "known" if known else "hard"),
-            crushed=sentence("foreseen", "crushed", peak=peak, hardness=hardness) if crushed else "",
+            which=sentence("foreseen", "known" if is_known else "hard"),
+            crushed=sentence("foreseen", "crushed", peak=peak, hardness=hardness) if is_crushed else "",
             worth=sentence("foreseen", "outside" if excess > LARGEST_EXCESS else "doubtful"),
             run=_with_curve(problem, name, material, limit, line_load),
         )
-        said.setdefault(text, []).append(problem.contact.label_of(name))
-    for text, names in said.items():
+        bodies.setdefault(text, []).append(problem.contact.label_of(name))
+    for text, names in bodies.items():
         yield f"{' and '.join(names)}: {text}"
 
 
@@ -478,14 +476,14 @@ def bearable_pressure(problem: SealProblem, line_load: float) -> float:
     line_load : float
         f_N [N/m].
     """
-    radius, most = problem.contact.relative_radius, math.inf
+    radius, pressure = problem.contact.relative_radius, math.inf
     for curve in problem.curves:
         stress = curve.stress[-1]
         for _ in range(_ITERATIONS if math.isfinite(radius) else 0):
             strain = _TABOR * plastic_half_width(line_load, stress) / radius
             stress = 0.5 * (stress + float(curve.flow_stress(np.array(strain))))
-        most = min(most, CONSTRAINT * stress)
-    return most
+        pressure = min(pressure, CONSTRAINT * stress)
+    return pressure
 
 
 def _with_curve(problem: SealProblem, name: str, material: Material, limit: float, line_load: float) -> str:
@@ -493,9 +491,9 @@ def _with_curve(problem: SealProblem, name: str, material: Material, limit: floa
     of_library = CURVES.get(library_name(material.name) or "")
     curve = HardeningCurve((0.0,), (limit,)) if of_library is None else of_library.hardening
     strongest = max(curve.stress[-1], (material.hardness or 0.0) / HARDNESS_OVER_YIELD_STRESS)
-    turned = turning_angle(problem.contact, plastic_half_width(line_load, strongest))
-    if turned > MOST_TURNED:
-        return sentence("foreseen", "too_large", turned=turned)
+    angle = turning_angle(problem.contact, plastic_half_width(line_load, strongest))
+    if angle > MOST_TURNED:
+        return sentence("foreseen", "too_large", turned=angle)
     yields = replace(material, hardening=curve, yield_stress=None, over_temperature=())
     path = replace(problem, materials={**problem.materials, name: yields})
     words = "library" if of_library is not None else "own"

@@ -76,11 +76,11 @@ class Compression:
             Under the same loads.
         """
         steps = [
-            replace(one, compression=0.5 * (one.compression + two.compression))
-            for one, two in zip(self.steps, other.steps, strict=False)  # of one what is left may not be known
+            replace(a, compression=0.5 * (a.compression + b.compression))
+            for a, b in zip(self.steps, other.steps, strict=False)  # of one what is left may not be known
         ]
-        left = None if self.left is None or other.left is None else 0.5 * (self.left + other.left)
-        return Compression(tuple(steps), left)
+        residual = None if self.left is None or other.left is None else 0.5 * (self.left + other.left)
+        return Compression(tuple(steps), residual)
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Compression:
@@ -102,9 +102,9 @@ def _of_part(seal: SolvedSeal) -> Compression:
         return Compression(tuple(steps), 0.0, stop)
     if seal.unloaded_bodies is None:
         return Compression(tuple(steps), None, stop)
-    left = faces * seal.unloaded_bodies.closing_approach - layer
-    steps.append(CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left, None if stop is None else 0.0))
-    return Compression(tuple(steps), left, stop)
+    residual = faces * seal.unloaded_bodies.closing_approach - layer
+    steps.append(CompressionStep(len(seal.loads) + 1, 0.0, 0.0, residual, None if stop is None else 0.0))
+    return Compression(tuple(steps), residual, stop)
 
 
 COMPRESSION = Answer[Compression | None](

@@ -47,16 +47,16 @@ class Data:
     @classmethod
     def of(cls, readings: Sequence[MeasuredLeak], slack: float = 0.0) -> Data:
         """Of readings whose leak rates are known to `slack`."""
-        y = np.log([one.leak_rate for one in readings])
-        spread = np.hypot([one.uncertainty for one in readings], slack)
-        return cls(y, spread, np.array([one.is_below for one in readings], dtype=bool))
+        y = np.log([reading.leak_rate for reading in readings])
+        spread = np.hypot([reading.uncertainty for reading in readings], slack)
+        return cls(y, spread, np.array([reading.is_below for reading in readings], dtype=bool))
 
     def log_likelihood(self, y: FloatArray) -> FloatArray:
         """Of each draw, from its y, shape (n, m); shape (n,)."""
         from scipy.special import log_ndtr
 
-        away = (self.y - y) / self.spread
-        return np.asarray(np.where(self.is_below, log_ndtr(away), -0.5 * away**2).sum(axis=1))
+        distance = (self.y - y) / self.spread
+        return np.asarray(np.where(self.is_below, log_ndtr(distance), -0.5 * distance**2).sum(axis=1))
 
 
 def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
@@ -70,18 +70,18 @@ def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
     seed : int
     """
     random = np.random.default_rng(seed)
-    few = y[random.choice(len(y), _DATA_SETS, replace=len(y) < _DATA_SETS)]
-    few = few + data.spread * random.standard_normal(few.shape)
+    draws = y[random.choice(len(y), _DATA_SETS, replace=len(y) < _DATA_SETS)]
+    draws = draws + data.spread * random.standard_normal(draws.shape)
     shares = []
     if not data.is_below.all():
-        shown = few[:, ~data.is_below]
-        covariance = np.atleast_2d(np.cov(shown.T)) + 1e-12 * np.eye(shown.shape[1])
-        inverse, mean = np.linalg.inv(covariance), shown.mean(axis=0)
-        far, own = shown - mean, data.y[~data.is_below] - mean
-        distance = np.einsum("ij,jk,ik->i", far, inverse, far)
-        shares.append(float((distance >= own @ inverse @ own).mean()))
+        values = draws[:, ~data.is_below]
+        covariance = np.atleast_2d(np.cov(values.T)) + 1e-12 * np.eye(values.shape[1])
+        inverse, mean = np.linalg.inv(covariance), values.mean(axis=0)
+        offsets, offset = values - mean, data.y[~data.is_below] - mean
+        distance = np.einsum("ij,jk,ik->i", offsets, inverse, offsets)
+        shares.append(float((distance >= offset @ inverse @ offset).mean()))
     if data.is_below.any():
-        shares.append(float((few[:, data.is_below] <= data.y[data.is_below]).all(axis=1).mean()))
+        shares.append(float((draws[:, data.is_below] <= data.y[data.is_below]).all(axis=1).mean()))
     # of several looks the most surprising
     return min(1.0, len(shares) * max(min(shares), 1.0 / _DATA_SETS))
 
@@ -138,10 +138,8 @@ class Conflict:
     @property
     def probabilities(self) -> Mapping[str, float]:
         """Probability of each explanation, all alike before [-]."""
-        shares = {
-            one.name: math.exp(one.log_evidence - self.likeliest.log_evidence) for one in self.explanations
-        }
-        return {name: one / sum(shares.values()) for name, one in shares.items()}
+        shares = {x.name: math.exp(x.log_evidence - self.likeliest.log_evidence) for x in self.explanations}
+        return {name: share / sum(shares.values()) for name, share in shares.items()}
 
 
 def conflict_of(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
@@ -160,11 +158,11 @@ def conflict_of(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
     D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28: model comparison by evidence.
     """
     y = np.maximum(y, _SEALED_LOG_RATE)
-    expected = y.mean(axis=0)
-    away = data.y - expected
-    farthest = int(np.argmax(np.abs(away) / np.hypot(y.std(axis=0), data.spread)))
-    found = sorted(_explanations(y, data, np.log(drive / drive[farthest])), key=lambda one: -one.log_evidence)
-    return Conflict(math.exp(float(away.mean())), tuple(found), farthest)
+    mean = y.mean(axis=0)
+    distance = data.y - mean
+    farthest = int(np.argmax(np.abs(distance) / np.hypot(y.std(axis=0), data.spread)))
+    causes = sorted(_explanations(y, data, np.log(drive / drive[farthest])), key=lambda x: -x.log_evidence)
+    return Conflict(math.exp(float(distance.mean())), tuple(causes), farthest)
 
 
 @dataclass(frozen=True)
@@ -189,13 +187,13 @@ class _Normal:
         """ln of the likelihood of readings; one below the instrument's limit counts by itself."""
         from scipy.special import log_ndtr
 
-        whole, shown = self.covariance + np.diag(data.spread**2), ~data.is_below
-        away = data.y - self.mean
-        root = np.linalg.cholesky(whole[np.ix_(shown, shown)])
-        scores = np.linalg.solve(root, away[shown])
-        unseen = away[data.is_below] / np.sqrt(np.diag(whole)[data.is_below])
+        covariance, exact = self.covariance + np.diag(data.spread**2), ~data.is_below
+        distance = data.y - self.mean
+        root = np.linalg.cholesky(covariance[np.ix_(exact, exact)])
+        scores = np.linalg.solve(root, distance[exact])
+        limits = distance[data.is_below] / np.sqrt(np.diag(covariance)[data.is_below])
         normal = -0.5 * float(scores @ scores) - float(np.log(math.sqrt(2.0 * math.pi) * np.diag(root)).sum())
-        return normal + float(log_ndtr(unseen).sum())
+        return normal + float(log_ndtr(limits).sum())
 
 
 def _explanations(y: FloatArray, data: Data, log_drive: FloatArray) -> Iterator[Explanation]:
@@ -204,31 +202,31 @@ def _explanations(y: FloatArray, data: Data, log_drive: FloatArray) -> Iterator[
     yield _explain("factor", [(s, (), prior.log_density(replace(data, y=data.y - s))) for s in factors])
     if count == 1:
         return
-    few = y[:: max(1, len(y) // _PATH_DRAWS)]
+    draws = y[:: max(1, len(y) // _PATH_DRAWS)]
     paths = (prior.mean - log_drive).mean() + np.log(np.geomspace(*_PATH, _STEPS))
-    beside = ((s, _Normal.of(np.logaddexp(few, s + log_drive))) for s in paths)
-    yield _explain("path", [(s, (), one.log_density(data)) for s, one in beside])
+    with_path = ((s, _Normal.of(np.logaddexp(draws, s + log_drive))) for s in paths)
+    yield _explain("path", [(s, (), normal.log_density(data)) for s, normal in with_path])
     one_off = ((s, n, s * (np.arange(count) == n)) for n in range(count) for s in factors)
     yield _explain(
         "reading", [(s, (n,), prior.log_density(replace(data, y=data.y - by))) for s, n, by in one_off]
     )
-    orders = ((changed, _reorder(data, changed)) for changed in _changed_places(count))
-    yield _explain("order", [(math.log(len(one)), one, prior.log_density(other)) for one, other in orders])
+    orders = ((rows, _reorder(data, rows)) for rows in _changed_places(count))
+    yield _explain("order", [(math.log(len(rows)), rows, prior.log_density(swap)) for rows, swap in orders])
     mean, centre = prior.mean, prior.mean.mean()
     slopes = np.linspace(-math.log(_SLOPE), math.log(_SLOPE), _STEPS)
     steeper = ((s, replace(prior, mean=centre + math.exp(s) * (mean - centre))) for s in slopes)
-    yield _explain("slope", [(s, (), one.log_density(data)) for s, one in steeper])
-    more = [np.hypot(data.spread, x) for x in np.geomspace(*_SCATTER, _STEPS)]
-    wider = ((math.log(np.median(spread)), replace(data, spread=spread)) for spread in more)
+    yield _explain("slope", [(s, (), normal.log_density(data)) for s, normal in steeper])
+    spreads = [np.hypot(data.spread, x) for x in np.geomspace(*_SCATTER, _STEPS)]
+    wider = ((math.log(np.median(spread)), replace(data, spread=spread)) for spread in spreads)
     yield _explain("scatter", [(s, (), prior.log_density(other)) for s, other in wider])
 
 
-def _explain(name: str, tried: Sequence[tuple[float, tuple[int, ...], float]]) -> Explanation:
+def _explain(name: str, trials: Sequence[tuple[float, tuple[int, ...], float]]) -> Explanation:
     """An explanation from ln of its size, readings and likelihood, all alike before."""
     from scipy.special import logsumexp
 
-    log_size, readings, _ = max(tried, key=lambda one: one[2])
-    evidence = float(logsumexp([one[2] for one in tried])) - math.log(len(tried))
+    log_size, readings, _ = max(trials, key=lambda trial: trial[2])
+    evidence = float(logsumexp([trial[2] for trial in trials])) - math.log(len(trials))
     return Explanation(name, evidence, math.exp(log_size), readings)
 
 
@@ -239,8 +237,8 @@ def _changed_places(count: int) -> Iterator[tuple[int, ...]]:
         yield tuple(range(count))
 
 
-def _reorder(data: Data, changed: tuple[int, ...]) -> Data:
+def _reorder(data: Data, rows: tuple[int, ...]) -> Data:
     """Readings with those of some rows in the reverse order."""
     order = np.arange(len(data.y))
-    order[list(changed)] = changed[::-1]
+    order[list(rows)] = rows[::-1]
     return Data(data.y[order], data.spread[order], data.is_below[order])

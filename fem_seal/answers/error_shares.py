@@ -49,15 +49,15 @@ class AfterProfiles:
     high: float
     exponent: float
 
-    def passing_height(self, allowed: float) -> float:
+    def passing_height(self, limit: float) -> float:
         """Rms height up to which a requirement is then met, over the usual one.
 
         Parameters
         ----------
-        allowed : float
+        limit : float
             Leak rate of the case's fluid [m^3/s].
         """
-        return float((allowed / self.high) ** (1.0 / self.exponent))
+        return float((limit / self.high) ** (1.0 / self.exponent))
 
 
 @dataclass(frozen=True)
@@ -126,8 +126,8 @@ def measured_profiles(case: Case) -> MeasuredProfiles | None:
         return None
     scans = line_scans(case.roughness)
     places = (np.arange(_PLACES) + 0.5) / _PLACES
-    spreads = {key: one.finish.spreads["rms_height"].at(places) for key, one in faces.items()}
-    spread = np.sum([scans.shares[key] * np.log(one) for key, one in spreads.items()], axis=0)
+    spreads = {key: table.finish.spreads["rms_height"].at(places) for key, table in faces.items()}
+    spread = np.sum([scans.shares[key] * np.log(values) for key, values in spreads.items()], axis=0)
     return MeasuredProfiles(scans.length, scans.scatter**2, float(spread.var())) if spread.any() else None
 
 
@@ -150,8 +150,8 @@ class _Outlook:
     def profiles(self) -> MeasuredProfiles | None:
         """Of a seal whose finishes leave the height open."""
         settings = self.seal.case.sampled
-        told = settings is None or "rms_height" in settings.spreads
-        return None if told or "rms_height" not in self.draws.values else measured_profiles(self.seal.case)
+        skip = settings is None or "rms_height" in settings.spreads
+        return None if skip or "rms_height" not in self.draws.values else measured_profiles(self.seal.case)
 
     @cached_property
     def per_height(self) -> float:
@@ -166,7 +166,7 @@ class _Outlook:
         scatter = self.scans.scatter
         scatters = {"q_rolloff": scatter, "hurst": scatter, "rms_height": scatter * self.per_height}
         return [
-            (name, known, self.draws.weigh(known)) for name, known in accuracies(self.draws.values, scatters)
+            (name, sigma, self.draws.weigh(sigma)) for name, sigma in accuracies(self.draws.values, scatters)
         ]
 
     @cached_property
@@ -179,32 +179,32 @@ class _Outlook:
         draws, rates = self.draws, self.draws.log_rate[:, number]
         if not shares.of_width or not np.isfinite(rates).all():
             return shares
-        whole, before = math.log(shares.factor), draws.width(rates, EVEN_WEIGHTS)
-        found = []
-        for instrument, known, weights in self.rows:
-            after = draws.width(rates, weights)
-            gain = None if after is None or before is None else max(before - after, 0.0)
-            found.append(Measurement(instrument, known, None if gain is None else math.exp(whole - gain)))
+        width, prior = math.log(shares.factor), draws.width(rates, EVEN_WEIGHTS)
+        options = []
+        for instrument, sigma, weights in self.rows:
+            posterior = draws.width(rates, weights)
+            gain = None if posterior is None or prior is None else max(prior - posterior, 0.0)
+            options.append(Measurement(instrument, sigma, None if gain is None else math.exp(width - gain)))
         scan = max(
-            (one for one in found if one.instrument == LINE_SCAN and "rms_height" in one.accuracy),
-            key=lambda one: len(one.accuracy),
+            (entry for entry in options if entry.instrument == LINE_SCAN and "rms_height" in entry.accuracy),
+            key=lambda entry: len(entry.accuracy),
             default=None,
         )
-        found += self._leak_tests(number, whole)
-        ranked = sorted(found, key=lambda one: math.inf if one.left is None else one.left)
+        options += self._leak_tests(number, width)
+        ranking = sorted(options, key=lambda entry: math.inf if entry.left is None else entry.left)
         by_profiles = None if scan is None else self._after_profiles(scan, number)
-        return replace(shares, by_profiles=by_profiles, measurements=ranked)
+        return replace(shares, by_profiles=by_profiles, measurements=ranking)
 
-    def _leak_tests(self, number: int, whole: float) -> Iterator[Measurement]:
+    def _leak_tests(self, number: int, width: float) -> Iterator[Measurement]:
         """At the lowest load, and at this one."""
         loads, draws = self.seal.loads, self.draws
         (accuracy,) = instruments()[LEAK_TEST]["accuracies"].values()
         for at in dict.fromkeys((min(range(len(loads)), key=lambda n: loads[n].point), number)):
             if np.isfinite(draws.log_rate[:, at]).all():
                 weights = draws.weigh_test(at, accuracy, self.doubts[at])
-                after = draws.width(draws.rates_with_doubt(number, self.doubts[number]), weights)
-                left = None if after is None else math.exp(min(after, whole))
-                yield Measurement(LEAK_TEST, {"leak_rate": accuracy}, left, at)
+                posterior = draws.width(draws.rates_with_doubt(number, self.doubts[number]), weights)
+                factor = None if posterior is None else math.exp(min(posterior, width))
+                yield Measurement(LEAK_TEST, {"leak_rate": accuracy}, factor, at)
 
     def _after_profiles(self, scan: Measurement, number: int) -> AfterProfiles | None:
         """After scans of faces with a finish."""
@@ -212,12 +212,12 @@ class _Outlook:
             return None
         draws, load = self.draws, self.seal.loads[number]
         rates, height = draws.log_rate[:, number], draws.values["rms_height"]
-        usual = {name: float(np.median(one)) for name, one in draws.values.items()}
+        usual = {name: float(np.median(values)) for name, values in draws.values.items()}
         _, high = draws.ends(rates, draws.weigh(scan.accuracy, usual))
         assert load.leak is not None  # of an interval
-        most = max(load.leak.leak_rate, *(load.leak_range or (0.0,)), math.exp(high[0]))
+        largest = max(load.leak.leak_rate, *(load.leak_range or (0.0,)), math.exp(high[0]))
         slope = float(np.polyfit(height, rates[0], 1)[0]) * self.per_height
-        return AfterProfiles(self.scans.length, scan.left, most * self.doubts[number].high, slope)
+        return AfterProfiles(self.scans.length, scan.left, largest * self.doubts[number].high, slope)
 
 
 def all_error_shares(seal: SolvedSeal, interval: LeakInterval | None) -> tuple[ErrorShares, ...]:
@@ -229,13 +229,13 @@ def all_error_shares(seal: SolvedSeal, interval: LeakInterval | None) -> tuple[E
     interval : LeakInterval or None
         Of the uncertain inputs.
     """
-    found = tuple(error_shares(load, interval, number) for number, load in enumerate(seal.loads))
+    shares = tuple(error_shares(load, interval, number) for number, load in enumerate(seal.loads))
     log_peaks = np.log10([load.peak_pressure for load in seal.loads])
     draws = None if interval is None else Draws.of(interval, log_peaks)
     if draws is None or seal.case.roughness is None:
-        return found
+        return shares
     outlook = _Outlook(seal, draws, line_scans(seal.case.roughness))
-    return tuple(outlook.of(one, number) for number, one in enumerate(found))
+    return tuple(outlook.of(share, number) for number, share in enumerate(shares))
 
 
 def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> ErrorShares:
@@ -255,13 +255,13 @@ def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> 
     ends = load.leak_interval
     if ends is None or not 0.0 < ends.low < ends.high < math.inf:
         return ErrorShares()
-    whole = math.log(ends.high / ends.low)
+    total_width = math.log(ends.high / ends.low)
     widths = {
-        f"accuracy: {one.kind}": math.log(factors.high / factors.low)
-        for one in load.leak_validity.cautions
-        if one.kind != "theory" and (factors := Validity.of([one]).leak_factor).is_range
+        f"accuracy: {caution.kind}": math.log(factors.high / factors.low)
+        for caution in load.leak_validity.cautions
+        if caution.kind != "theory" and (factors := Validity.of([caution]).leak_factor).is_range
     }
-    together = max(whole - sum(widths.values()), 0.0)
+    input_width = max(total_width - sum(widths.values()), 0.0)
     variances = {} if load.flow_error is None else {k: float(v) for k, v in load.flow_error.parts.items()}
     if interval is not None and load.sample_ends is not None:
         if interval.error_scores is not None:
@@ -274,31 +274,31 @@ def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> 
     if not total > 0.0:
         return ErrorShares()
     # orders of magnitude of one and of all together count alike
-    scale = whole / (sum(widths.values()) + together)
+    scale = total_width / (sum(widths.values()) + input_width)
     widths = {name: scale * width for name, width in widths.items()}
-    together *= scale
-    left = {name: math.exp(whole - width) for name, width in widths.items()}
+    input_width *= scale
+    exact = {name: math.exp(total_width - width) for name, width in widths.items()}
     for name, variance in variances.items():
-        widths[name] = together * variance / total
-        left[name] = math.exp(whole - together * (1.0 - math.sqrt(1.0 - variance / total)))
-    ranked = sorted(widths, key=lambda name: -widths[name])
+        widths[name] = input_width * variance / total
+        exact[name] = math.exp(total_width - input_width * (1.0 - math.sqrt(1.0 - variance / total)))
+    ranking = sorted(widths, key=lambda name: -widths[name])
     return ErrorShares(
-        {name: widths[name] / whole for name in ranked},
-        math.exp(whole),
-        {name: left[name] for name in ranked},
+        {name: widths[name] / total_width for name in ranking},
+        math.exp(total_width),
+        {name: exact[name] for name in ranking},
     )
 
 
 def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
     """Variance of ln Q by uncertain input, and what these do only together."""
     rates = interval.leak_rate[number]
-    known = rates[(rates > 0.0) & np.isfinite(rates)]
-    variance = float(np.log(known).var()) if known.size else 0.0
+    finite = rates[(rates > 0.0) & np.isfinite(rates)]
+    variance = float(np.log(finite).var()) if finite.size else 0.0
     shares = dict(zip(interval.inputs, np.nan_to_num(interval.shares[number]).tolist(), strict=True))
-    rest = max(1.0 - sum(shares.values()), 0.0)
+    remainder = max(1.0 - sum(shares.values()), 0.0)
     if interval.error_scores is not None:
         return {_BY_TEST: variance}
-    return {name: share * variance for name, share in shares.items()} | {_JOINT_INPUTS: rest * variance}
+    return {name: share * variance for name, share in shares.items()} | {_JOINT_INPUTS: remainder * variance}
 
 
 ERROR_SHARES = Answer[tuple[ErrorShares, ...]](

@@ -54,8 +54,8 @@ def _compute(seal: SolvedSeal, request: Request) -> Findings:
         for load in seal.loads
     ]
     others = compute("validity by the other theory", partial(_in_scenarios, seal), ({},) * len(seal.loads))
-    found = (*seal.missing_load_findings, *_of_nominal_size(nominal_size(seal.case)), *checks)
-    return Findings(tuple(validity), tuple(worst_first(found)), others)
+    findings = (*seal.missing_load_findings, *_of_nominal_size(nominal_size(seal.case)), *checks)
+    return Findings(tuple(validity), tuple(worst_first(findings)), others)
 
 
 def findings_of_profiles(seal: SolvedSeal) -> Findings:
@@ -67,45 +67,45 @@ def findings_of_profiles(seal: SolvedSeal) -> Findings:
         Of given contacts.
     """
     # of all loads the worst of each kind
-    kinds = {one.kind: one for load in seal.loads for one in reversed(worst_first(load.validity.cautions))}
-    found = worst_first((*kinds.values(), *_of_nominal_size(nominal_size(seal.case))))
-    beside = [scenario.name for scenario in with_own_contacts(seal.problem)]
-    known = ({name: load.scenarios[name].validity for name in beside} for load in seal.loads)
-    return Findings(tuple(load.validity for load in seal.loads), tuple(found), tuple(known))
+    kinds = {item.kind: item for load in seal.loads for item in reversed(worst_first(load.validity.cautions))}
+    findings = worst_first((*kinds.values(), *_of_nominal_size(nominal_size(seal.case))))
+    names = [scenario.name for scenario in with_own_contacts(seal.problem)]
+    validities = ({name: load.scenarios[name].validity for name in names} for load in seal.loads)
+    return Findings(tuple(load.validity for load in seal.loads), tuple(findings), tuple(validities))
 
 
 def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
     """A size that is not of this seat: limits of standards grow with it."""
     narrowest, widest = (share * size.size for share in _BORES)
     if not (size.is_estimated or narrowest <= size.diameter <= widest):
-        own = f"DN {1e3 * nominal_size_of_bore(size.diameter):.4g}"
+        usual = f"DN {1e3 * nominal_size_of_bore(size.diameter):.4g}"
         bore = quantity("length", size.diameter)
-        found = caution("nominal_size", given=size, circle=size.circle, bore=bore, own=own)
-        yield replace(found, level=Level.VALID)
+        finding = caution("nominal_size", given=size, circle=size.circle, bore=bore, own=usual)
+        yield replace(finding, level=Level.VALID)
 
 
 def _in_scenarios(seal: SolvedSeal) -> tuple[Mapping[str, Validity], ...]:
     """Of the loads whose interval by another theory is told: the highest, and those that are judged."""
-    highest, required = highest_load(seal.loads), seal.case.requirement
-    told = [
-        number == highest or (required is not None and required.judges(load.fluid_pressure))
+    highest, requirement = highest_load(seal.loads), seal.case.requirement
+    flags = [
+        number == highest or (requirement is not None and requirement.judges(load.fluid_pressure))
         for number, load in enumerate(seal.loads)
     ]
-    beside = list(with_own_contacts(seal.problem))
+    scenarios = list(with_own_contacts(seal.problem))
     return tuple(
         {
             scenario.name: load_validity(scenario.problem, other)
-            for scenario in beside
-            if wanted and (other := load.scenarios.get(scenario.name)) is not None
+            for scenario in scenarios
+            if flag and (other := load.scenarios.get(scenario.name)) is not None
         }
-        for load, wanted in zip(seal.loads, told, strict=True)
+        for load, flag in zip(seal.loads, flags, strict=True)
     )
 
 
-def _of_load(load: CaseLoad, number: int, found: Findings) -> CaseLoad:
-    validity = found.validity[number] if found.validity else NOT_JUDGED
-    beside = found.of_scenarios[number] if found.of_scenarios else {}
-    scenarios = {name: load.scenarios[name].with_values(validity=one) for name, one in beside.items()}
+def _of_load(load: CaseLoad, number: int, findings: Findings) -> CaseLoad:
+    validity = findings.validity[number] if findings.validity else NOT_JUDGED
+    validities = findings.of_scenarios[number] if findings.of_scenarios else {}
+    scenarios = {name: load.scenarios[name].with_values(validity=other) for name, other in validities.items()}
     return load.with_scenarios(scenarios).with_values(validity=validity)
 
 

@@ -96,7 +96,7 @@ def find_zero(
     """
     function = cache(function)
 
-    def known(place: float) -> float:
+    def value_at(place: float) -> float:
         value = function(place)
         return _ABOVE_ZERO if value is None else value
 
@@ -104,21 +104,21 @@ def find_zero(
     at = next((place for place in places if function(place) is not None), None)
     if at is None:
         return None
-    here = known(at)
-    limit, end = (highest, End.HIGHEST) if here > 0.0 else (lowest, End.LOWEST)
-    step, longest = math.copysign(step, here), max(step, _LONGEST)
-    while here and at != limit:
-        ahead = min(max(at + step, lowest), highest)
-        if here > 0.0 and function(ahead) is None:
-            limit, end = _last_known(function, at, ahead), End.UNKNOWN
-            ahead = limit
-        beyond = known(ahead)
-        if beyond * here <= 0.0:
-            place = root_between(known, at, ahead, xtol=accuracy)
+    height = value_at(at)
+    limit, end = (highest, End.HIGHEST) if height > 0.0 else (lowest, End.LOWEST)
+    step, longest = math.copysign(step, height), max(step, _LONGEST)
+    while height and at != limit:
+        next_place = min(max(at + step, lowest), highest)
+        if height > 0.0 and function(next_place) is None:
+            limit, end = _last_known(function, at, next_place), End.UNKNOWN
+            next_place = limit
+        next_height = value_at(next_place)
+        if next_height * height <= 0.0:
+            place = root_between(value_at, at, next_place, xtol=accuracy)
             # at the edge of what is known its last place is the answer
             return Zero(place if function(place) is not None else place + 2.0 * accuracy)
-        at, here, step = ahead, beyond, math.copysign(min(2.0 * abs(step), longest), step)
-    return Zero(at, end if here else None)
+        at, height, step = next_place, next_height, math.copysign(min(2.0 * abs(step), longest), step)
+    return Zero(at, end if height else None)
 
 
 def _outwards(start: float, lowest: float, highest: float, step: float) -> Iterator[float]:
@@ -130,11 +130,11 @@ def _outwards(start: float, lowest: float, highest: float, step: float) -> Itera
     yield from (start + way for way in ways if start + way <= highest)
 
 
-def _last_known(function: FallingFunction, known: float, unknown: float) -> float:
-    while unknown - known > _EDGE:
-        middle = 0.5 * (known + unknown)
-        known, unknown = (known, middle) if function(middle) is None else (middle, unknown)
-    return known
+def _last_known(function: FallingFunction, low: float, high: float) -> float:
+    while high - low > _EDGE:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if function(middle) is None else (middle, high)
+    return low
 
 
 def sensible_forces(problems: Iterable[SealProblem]) -> tuple[float, float]:
@@ -187,32 +187,34 @@ class Trials:
                 self.outcomes[place] = self._solved(math.exp(place))
             except SealError as error:
                 self.outcomes[place] = error
-        found = self.outcomes[place]
-        if isinstance(found, SealError):
-            raise found
-        return found
+        outcome = self.outcomes[place]
+        if isinstance(outcome, SealError):
+            raise outcome
+        return outcome
 
     @property
     def path_error(self) -> ConvergenceError | None:
         """Why load steps of bodies that yield did not reach some force; None if they reached each that was tried."""
-        if not any(one.yields for one in self.solvers):
+        if not any(solver.yields for solver in self.solvers):
             return None
-        return next((one for one in self.outcomes.values() if isinstance(one, ConvergenceError)), None)
+        return next((x for x in self.outcomes.values() if isinstance(x, ConvergenceError)), None)
 
     def _solved(self, force: float) -> tuple[CaseLoad, ...]:
-        pressure, unreached = self.fluid_pressure, self.path_error
-        if unreached is not None:
-            reached = [one.highest_force(pressure) for one in self.solvers]
-            if force > min((one for one in reached if one is not None), default=math.inf):
-                raise unreached
-        nothing = (None,) * len(self.solvers)
-        starts = next((one for one in reversed(self.outcomes.values()) if isinstance(one, tuple)), nothing)
-        applied = force - self.solvers[0].fluid_force(pressure)
+        pressure, error = self.fluid_pressure, self.path_error
+        if error is not None:
+            reaches = [solver.highest_force(pressure) for solver in self.solvers]
+            if force > min((reach for reach in reaches if reach is not None), default=math.inf):
+                raise error
+        empty = (None,) * len(self.solvers)
+        starts = next((x for x in reversed(self.outcomes.values()) if isinstance(x, tuple)), empty)
+        spring = force - self.solvers[0].fluid_force(pressure)
         return tuple(
             CaseLoad.of(
-                one.load_at_contact_force(pressure, applied + one.fluid_force(pressure), start, self.progress)
+                solver.load_at_contact_force(
+                    pressure, spring + solver.fluid_force(pressure), start, self.progress
+                )
             )
-            for one, start in zip(self.solvers, starts, strict=True)
+            for solver, start in zip(self.solvers, starts, strict=True)
         )
 
 
@@ -240,38 +242,38 @@ def search_forces(
     ConvergenceError, MeshingError
         See `fem_seal.contact.sizing.MeshFit.with_outcome`.
     """
-    loads, expected = problems[0].loads, [*starts.values()]
+    loads, forces = problems[0].loads, [*starts.values()]
     if loads.unsolved_bolts is not None:
         # before the fluid acts they are as large as the preload
         r0, side = problems[0].initial_contact_radius, loads.pressure_side
-        expected += [force - contact_force(r0, at, 0.0, side) for at, force in starts.items()]
-    sized_for = [share * force for force in expected if force > 0 for share in _MARGIN]
+        forces += [force - contact_force(r0, at, 0.0, side) for at, force in starts.items()]
+    sized_for = [share * force for force in forces if force > 0 for share in _MARGIN]
     begin = {pressure: math.log(force) for pressure, force in starts.items()}
     solvers: dict[int, LoadSolver] = {}
-    found: dict[float, tuple[Trials, Zero | None]] = {}
+    outcomes: dict[float, tuple[Trials, Zero | None]] = {}
 
-    def solve_on(wanted: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
+    def solve_on(fits: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
         outcome: Sequence[Sequence[ContactSolution] | Exception]
         try:
-            made = {n: LoadSolver.on_mesh(problems[n], fit.sizing) for n, fit in wanted.items() if fit.sizing}
-            solvers.update(made)
-            outcome = searched()
+            fresh = {n: LoadSolver.on_mesh(problems[n], fit.sizing) for n, fit in fits.items() if fit.sizing}
+            solvers.update(fresh)
+            outcome = search_all()
         except (MeshingError, ConvergenceError) as error:
             outcome = [error] * len(problems)
-        return {n: fit.with_outcome(outcome[n]) for n, fit in wanted.items()}
+        return {n: fit.with_outcome(outcome[n]) for n, fit in fits.items()}
 
-    def searched() -> list[list[ContactSolution]]:
-        own, ends = [solvers[n] for n in range(len(problems))], list[tuple[CaseLoad, ...]]()
+    def search_all() -> list[list[ContactSolution]]:
+        all_solvers, ends = [solvers[n] for n in range(len(problems))], list[tuple[CaseLoad, ...]]()
         for pressure, place in begin.items():
-            trials = Trials(own, pressure, progress)
+            trials = Trials(all_solvers, pressure, progress)
             zero = find(trials, place)
-            found[pressure] = trials, zero
+            outcomes[pressure] = trials, zero
             if zero is None:
                 continue
             ends.append(trials.of_each(zero.place))
             # on a better mesh it is looked for where it was
             begin[pressure] = zero.place
-        return [_contacts(loads) for loads in zip(*ends, strict=True)] if ends else [[]] * len(own)
+        return [_contacts(loads) for loads in zip(*ends, strict=True)] if ends else [[]] * len(all_solvers)
 
     fit_meshes(
         {
@@ -282,10 +284,10 @@ def search_forces(
         },
         solve_on,
     )
-    return found
+    return outcomes
 
 
 def _contacts(loads: Sequence[LoadResult]) -> list[ContactSolution]:
     """Contacts that the mesh has to fit: of loads, of tightening their bolts, and of the largest load before."""
     contacts = [contact for load in loads for contact in load.contacts]
-    return contacts + [before for contact in contacts for before in contact.history]
+    return contacts + [earlier for contact in contacts for earlier in contact.history]

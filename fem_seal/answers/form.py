@@ -151,7 +151,7 @@ class FormAnswers:
     allowed_others: Mapping[str, AllowedForm] = field(default_factory=dict)
 
 
-def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormError) -> FormAnswers:
+def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, form: FormError) -> FormAnswers:
     """Answers for one load.
 
     Parameters
@@ -161,39 +161,39 @@ def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormErro
     case : Case
     load : CaseLoad
         Of a seal that is not round.
-    given : FormError
+    form : FormError
         The form error as the case has it, its tolerance not yet filled.
 
     Raises
     ------
     ConvergenceError
     """
-    asked = _FormLoad(load)
-    waves = sorted(map(asked.alone, asked.form.felt_waves), key=lambda one: one.line_load_min_over_mean)
-    filled = None if given.tolerance is None else _filled_waves(given, asked.form)
+    trial = _FormLoad(load)
+    waves = sorted(map(trial.alone, trial.form.felt_waves), key=lambda wave: wave.line_load_min_over_mean)
+    tolerance_waves = None if form.tolerance is None else _filled_waves(form, trial.form)
     return FormAnswers(
         load.fluid_pressure,
         load.applied_force,
-        tuple(asked.curve()),
+        tuple(trial.curve()),
         tuple(waves),
-        filled,
+        tolerance_waves,
         _closing_force(solver, load),
-        _allowed_form(case, load, asked, given),
+        _allowed_form(case, load, trial, form),
         _goes_round(load) if case.form is not None and case.form.flow_around else None,
-        _shallower([_deepest_scratch(case, load, one) for one in (asked, *asked.others.values())]),
+        _shallower([_deepest_scratch(case, load, x) for x in (trial, *trial.others.values())]),
         {
             name: allowed
-            for name, one in asked.others.items()
-            if (allowed := _allowed_form(case, load, one, given)) is not None
+            for name, other in trial.others.items()
+            if (allowed := _allowed_form(case, load, other, form)) is not None
         },
     )
 
 
-def _filled_waves(given: FormError, filled: FormError) -> int | None:
+def _filled_waves(form: FormError, filled_form: FormError) -> int | None:
     """Number of waves that a tolerance was filled with."""
-    before = {one.waves: one.amplitude for one in given.waves}
-    added = [one.waves for one in filled.waves if one.amplitude != before.get(one.waves, 0.0)]
-    return added[0] if added else None
+    amplitudes = {wave.waves: wave.amplitude for wave in form.waves}
+    numbers = [wave.waves for wave in filled_form.waves if wave.amplitude != amplitudes.get(wave.waves, 0.0)]
+    return numbers[0] if numbers else None
 
 
 @dataclass(frozen=True)
@@ -225,28 +225,30 @@ class _FormLoad:
 
     def evaluate(self, circumference: Circumference) -> tuple[float | None, float, dict[str, float]]:
         """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
-        leaks = {name: one.leaks for name, one in self.others.items()}
-        rates = {name: _rate(circumference.with_leak(one)) for name, one in leaks.items() if one is not None}
+        leaks = {name: scenario.leaks for name, scenario in self.others.items()}
+        rates = {
+            name: _rate(circumference.with_leak(leak)) for name, leak in leaks.items() if leak is not None
+        }
         others = {name: rate for name, rate in rates.items() if rate is not None}
         return _rate(circumference), circumference.least_over_mean, others
 
     def with_form(self, form: FormError) -> Circumference:
-        before = None if self.circumference.before is None else self.circumference.before.local
-        circumference = solve_both_around(form, self.circumference.local, before)
+        earlier = None if self.circumference.before is None else self.circumference.before.local
+        circumference = solve_both_around(form, self.circumference.local, earlier)
         return circumference if self.leaks is None else circumference.with_leak(self.leaks)
 
     def curve(self) -> list[FormPoint]:
         """Points of the curve, as far as they can be calculated."""
-        found = []
+        points = []
         for factor in _FACTORS:
             try:
                 circumference = self.with_form(self.form.scale(factor))
             except (ConvergenceError, OpenSealError):
                 break
-            found.append(
+            points.append(
                 FormPoint(factor, float(np.ptp(circumference.gap_change)), *self.evaluate(circumference))
             )
-        return found
+        return points
 
     def alone(self, wave: Wave) -> WaveAlone:
         circumference = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
@@ -254,7 +256,7 @@ class _FormLoad:
 
     def leak_with_wave(self, number: int, amplitude: float) -> float:
         """With one wave beside the eccentricity and tilt that there are, widest where they are."""
-        rigid = tuple(one for one in self.form.waves if one.waves == 1)
+        rigid = tuple(wave for wave in self.form.waves if wave.waves == 1)
         zone = WaveTolerance(amplitude, (number, number))
         return self.leak_rate(FormError(rigid, self.form.guided, zone).with_waves(number))
 
@@ -280,12 +282,12 @@ def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     trials = Trials([solver], load.fluid_pressure)
     lowest, highest = sensible_forces([solver.problem])
 
-    def lacking(place: float) -> float:
-        found = trials.load(place).circumference
-        return CLOSED_SHARE - (1.0 if found is None else found.least_over_mean)
+    def deficit(place: float) -> float:
+        around = trials.load(place).circumference
+        return CLOSED_SHARE - (1.0 if around is None else around.least_over_mean)
 
     start = math.log(load.contact_force)
-    zero = find_zero(lacking, start, lowest=lowest, highest=highest, step=0.5, accuracy=_ACCURACY)
+    zero = find_zero(deficit, start, lowest=lowest, highest=highest, step=0.5, accuracy=_ACCURACY)
     return trials.load(zero.place).applied_force if zero is not None and zero.end is None else None
 
 
@@ -301,54 +303,52 @@ def _goes_round(load: CaseLoad) -> float | None:
 
 def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
     """The one that is allowed in every reading."""
-    found = [one for one in scratches if one is not None]
-    return min(found) if len(found) == len(scratches) else None
+    allowed = [scratch for scratch in scratches if scratch is not None]
+    return min(allowed) if len(allowed) == len(scratches) else None
 
 
-def _deepest_scratch(case: Case, load: CaseLoad, asked: _FormLoad) -> tuple[float, float] | None:
+def _deepest_scratch(case: Case, load: CaseLoad, trial: _FormLoad) -> tuple[float, float] | None:
     """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
-    placed = [
-        (one, one.groove) for one in asked.circumference.form.grooves if isinstance(one.groove, Scratch)
-    ]
-    if not placed or limit is None:
+    grooves = [(x, x.groove) for x in trial.circumference.form.grooves if isinstance(x.groove, Scratch)]
+    if not grooves or limit is None:
         return None
-    place, widest = max(placed, key=lambda one: one[1].width)
-    if asked.leaks is None or asked.load.leak is None:
+    place, widest = max(grooves, key=lambda pair: pair[1].width)
+    if trial.leaks is None or trial.load.leak is None:
         return None
-    flow, profile = asked.leaks.flow, asked.circumference.profile_at(place.angle)
-    without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
-    found = deepest_scratch(
-        lambda scratch: without + flow.bounds(profile, [scratch]).largest_extra,
+    flow, profile = trial.leaks.flow, trial.circumference.profile_at(place.angle)
+    bare_rate = trial.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
+    deepest = deepest_scratch(
+        lambda scratch: bare_rate + flow.bounds(profile, [scratch]).largest_extra,
         limit[1],
         width_over_depth=widest.width / widest.depth,
         angle=widest.angle,
     )
-    return None if found is None else (found.depth, found.width)
+    return None if deepest is None else (deepest.depth, deepest.width)
 
 
 def _limit(case: Case, load: CaseLoad) -> tuple[str, float] | None:
     """Leak rate that is wanted: what the case requires, its target, or the tightest class that the round seal meets."""
     if case.requirement is not None and case.requirement.judges(load.fluid_pressure):
-        required = limits(case, load.fluid_pressure, load)
+        of_case = limits(case, load.fluid_pressure, load)
         # in the case's own fluid
-        found = [(one.name, one.leak_rate / one.ratio[1]) for one in required if one.leak_rate > 0]
-        return min(found, key=lambda one: one[1], default=None)
+        rates = [(limit.name, limit.leak_rate / limit.ratio[1]) for limit in of_case if limit.leak_rate > 0]
+        return min(rates, key=lambda pair: pair[1], default=None)
     if case.load.target_leak_rate is not None:
         return "target", case.load.target_leak_rate
-    met = [
-        one
-        for one in leakage_classes(case, replace(load, circumference=None))
-        if one.name is not None and one.limit is not None
+    classes = [
+        entry
+        for entry in leakage_classes(case, replace(load, circumference=None))
+        if entry.name is not None and entry.limit is not None
     ]
-    if not met or not met[0].limit or case.fluid is None:
+    if not classes or not classes[0].limit or case.fluid is None:
         return None
     # in the case's own fluid
-    most = test_of(case.fluid, load.fluid_pressure, load)[1][1]
-    return f"{met[0].standard} {met[0].name}", met[0].limit / most
+    ratio = test_of(case.fluid, load.fluid_pressure, load)[1][1]
+    return f"{classes[0].standard} {classes[0].name}", classes[0].limit / ratio
 
 
-def _allowed_form(case: Case, load: CaseLoad, asked: _FormLoad, given: FormError) -> AllowedForm | None:
+def _allowed_form(case: Case, load: CaseLoad, trial: _FormLoad, form: FormError) -> AllowedForm | None:
     limit = _limit(case, load)
     if limit is None or load.leak is None:
         return None
@@ -356,18 +356,18 @@ def _allowed_form(case: Case, load: CaseLoad, asked: _FormLoad, given: FormError
     axial = load.contact.model.touch_normal_z
     radial = math.sqrt(max(1.0 - axial**2, 0.0))
     direction, share = ("radial", radial) if radial > _FLAT else ("axial", axial)
-    round_rate = math.inf if asked.load.leak_round is None else asked.load.leak_round.leak_rate
+    round_rate = math.inf if trial.load.leak_round is None else trial.load.leak_round.leak_rate
     if round_rate > rate:
         return AllowedForm(name, rate, None, None, direction, None)
-    height = float(np.ptp(asked.circumference.gap_change))
+    height = float(np.ptp(trial.circumference.gap_change))
     factor = (
-        _largest_size(lambda f: asked.leak_rate(asked.form.scale(f)), rate, 1.0, _MOST_GAP / height)
+        _largest_size(lambda f: trial.leak_rate(trial.form.scale(f)), rate, 1.0, _MOST_GAP / height)
         if height
         else math.inf
     )
-    fewest, most = _WAVES if given.tolerance is None else given.tolerance.waves
+    fewest, most = _WAVES if form.tolerance is None else form.tolerance.waves
     zones = {
-        number: 2 / share * _largest_size(partial(asked.leak_with_wave, number), rate, _FIRST_GAP, _MOST_GAP)
+        number: 2 / share * _largest_size(partial(trial.leak_with_wave, number), rate, _FIRST_GAP, _MOST_GAP)
         # the bodies even out more waves less; the fewest are asked as well, because thin walls may not
         for number in {fewest, most}
     }
@@ -375,11 +375,11 @@ def _allowed_form(case: Case, load: CaseLoad, asked: _FormLoad, given: FormError
     return AllowedForm(name, rate, factor, zones[worst], direction, worst)
 
 
-def _largest_size(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
+def _largest_size(leak_rate: Callable[[float], float], limit: float, start: float, most: float) -> float:
     """Largest size with no more than the allowed leak rate; infinite if `most` has it."""
 
     def room(log_size: float) -> float:
-        return max(math.log(allowed / max(leak_rate(math.exp(log_size)), 1e-300)), -700.0)
+        return max(math.log(limit / max(leak_rate(math.exp(log_size)), 1e-300)), -700.0)
 
     first, highest = math.log(start), math.log(most)
     zero = find_zero(room, first, lowest=first - _WAY, highest=highest, step=_STEP, accuracy=_ACCURACY)
@@ -392,8 +392,8 @@ def _largest_size(leak_rate: Callable[[float], float], allowed: float, start: fl
 def _compute(seal: SolvedSeal, request: Request) -> FormAnswers:
     case = seal.case
     assert case.form is not None  # of `applies`
-    given = case.form.error(case.contact.angle, case.initial_contact_radius)
-    return form_answers(request.solver, case, seal.highest, given)
+    form = case.form.error(case.contact.angle, case.initial_contact_radius)
+    return form_answers(request.solver, case, seal.highest, form)
 
 
 FORM = Answer[FormAnswers | None](

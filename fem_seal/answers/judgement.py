@@ -132,8 +132,8 @@ class LoadVerdict:
         ends: tuple[float, float],
         validity: Validity = VALID,
         *,
-        sampled: bool = True,
-        calculated: Bounds | None = None,
+        complete: bool = True,
+        core: Bounds | None = None,
     ) -> LoadVerdict:
         """The judgement of a leak rate.
 
@@ -145,43 +145,39 @@ class LoadVerdict:
             off by [m^3/s]; NaN if not known.
         validity : Validity
             Of the leak rate, with the factors that are in the interval.
-        sampled : bool
+        complete : bool
             Whether the interval holds what the inputs leave open.
-        calculated : Bounds, optional
+        core : Bounds, optional
             The interval without what the calculation may be off by; else what the factors have widened [m^3/s].
         """
         if any(map(math.isnan, (*ends, limit.leak_rate))):
             return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
-        tested = Bounds(*ends).widen(limit.ratio)
+        in_test = Bounds(*ends).widen(limit.ratio)
         if math.isinf(ends[0]):
-            return cls(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit, tested)
-        verdict, why = _decide(limit, ends, tested)
-        margin = _margin(limit, tested.high)
-        calculated = (
-            tested.ratio_to(validity.leak_factor) if calculated is None else calculated.widen(limit.ratio)
-        )
-        if (
-            validity.outside_theory or not sampled
-        ) and calculated.low > ORDERS_OF_MAGNITUDE * limit.failing_rate:
+            return cls(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit, in_test)
+        verdict, why = _decide(limit, ends, in_test)
+        margin = _margin(limit, in_test.high)
+        core = in_test.ratio_to(validity.leak_factor) if core is None else core.widen(limit.ratio)
+        if (validity.outside_theory or not complete) and core.low > ORDERS_OF_MAGNITUDE * limit.failing_rate:
             reason = validity.reasons[0] if validity.outside_theory else ""
-            return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, tested, reason)
+            return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, in_test, reason)
         if validity.outside_theory and not (verdict is Verdict.FAIL and validity.leaks_more):
             # of what may not be claimed to be sealed there is no margin
             margin = math.nan if math.isinf(margin) else margin
             return cls(
-                Verdict.INCONCLUSIVE, margin, VerdictReason.OUTSIDE, limit, tested, validity.reasons[0]
+                Verdict.INCONCLUSIVE, margin, VerdictReason.OUTSIDE, limit, in_test, validity.reasons[0]
             )
-        if not sampled:
-            return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNSAMPLED, limit, tested)
+        if not complete:
+            return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNSAMPLED, limit, in_test)
         if verdict is Verdict.INCONCLUSIVE:
-            without, _ = _decide(limit, calculated, calculated)
-            if without is not Verdict.INCONCLUSIVE:
-                passes = without is Verdict.PASS
+            core_verdict, _ = _decide(limit, core, core)
+            if core_verdict is not Verdict.INCONCLUSIVE:
+                passes = core_verdict is Verdict.PASS
                 verdict = Verdict.PASS_UNLESS if passes else Verdict.FAIL_UNLESS
-                off = limit.leak_rate / calculated.high if passes else calculated.low / limit.failing_rate
+                factor = limit.leak_rate / core.high if passes else core.low / limit.failing_rate
                 reason = validity.leak_reason(more=passes)
-                return cls(verdict, margin, VerdictReason.ACCURACY, limit, tested, reason, off)
-        return cls(verdict, margin, why, limit, tested)
+                return cls(verdict, margin, VerdictReason.ACCURACY, limit, in_test, reason, factor)
+        return cls(verdict, margin, why, limit, in_test)
 
 
 def _margin(limit: Limit, highest: float) -> float:
@@ -191,28 +187,28 @@ def _margin(limit: Limit, highest: float) -> float:
 
 
 def _decide(
-    limit: Limit, ends: tuple[float, float], tested: tuple[float, float]
+    limit: Limit, ends: tuple[float, float], in_test: tuple[float, float]
 ) -> tuple[Verdict, VerdictReason]:
-    low, high = tested
+    low, high = in_test
     if high <= limit.leak_rate:
         return Verdict.PASS, VerdictReason.LIMIT
     if low > limit.failing_rate:
         return Verdict.FAIL, VerdictReason.LIMIT
     if limit.visible:
         return Verdict.INCONCLUSIVE, VerdictReason.VISIBLE
-    own = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
-    return Verdict.INCONCLUSIVE, VerdictReason.TEST_FLUID if own else VerdictReason.INTERVAL
+    is_decided = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
+    return Verdict.INCONCLUSIVE, VerdictReason.TEST_FLUID if is_decided else VerdictReason.INTERVAL
 
 
-def severity(judged: LoadVerdict) -> tuple[int, float]:
+def severity(outcome: LoadVerdict) -> tuple[int, float]:
     """By which verdicts are put in order: larger is worse. Of those that fail the surest is the worst.
 
     Parameters
     ----------
-    judged : LoadVerdict
+    outcome : LoadVerdict
     """
-    how = judged.times_over if judged.verdict in (Verdict.FAIL, Verdict.FAIL_UNLESS) else -judged.margin
-    return RANK[judged.verdict], -math.inf if math.isnan(how) else how
+    how = outcome.times_over if outcome.verdict in (Verdict.FAIL, Verdict.FAIL_UNLESS) else -outcome.margin
+    return RANK[outcome.verdict], -math.inf if math.isnan(how) else how
 
 
 def worst_of(loads: Iterable[HasJudgement]) -> Verdict | None:
@@ -223,8 +219,8 @@ def worst_of(loads: Iterable[HasJudgement]) -> Verdict | None:
     loads : iterable
         Each with its judgement, None where nothing is required of it.
     """
-    judged = [one.judgement for one in loads if one.judgement is not None]
-    return max(judged, key=severity).verdict if judged else None
+    verdicts = [load.judgement for load in loads if load.judgement is not None]
+    return max(verdicts, key=severity).verdict if verdicts else None
 
 
 class HasJudgement(Protocol):

@@ -86,7 +86,7 @@ class LeakMap:
     @property
     def level(self) -> list[list[str]]:
         """Validity in words, "not calculated" where there is none."""
-        return [["not calculated" if one is None else str(one.level) for one in row] for row in self.validity]
+        return [["not calculated" if x is None else str(x.level) for x in row] for row in self.validity]
 
     @property
     def complete(self) -> LeakMap:
@@ -127,7 +127,7 @@ class LeakMap:
         """1 where valid, 0 where doubtful, -1 outside the theory, NaN where nothing was calculated, shape (m, n)."""
         marks = {Level.VALID: 1.0, Level.DOUBTFUL: 0.0, Level.OUTSIDE: -1.0}
         return np.array(
-            [[math.nan if one is None else marks[one.level] for one in row] for row in self.validity]
+            [[math.nan if cell is None else marks[cell.level] for cell in row] for row in self.validity]
         )
 
 
@@ -190,33 +190,33 @@ def leak_map(
         # from the largest load on a body that was formed by a larger one only comes back, and the first is asked again
         points = sorted(points, key=lambda point: -case.expected_force(*point))
         points.append(points[0])
-    loaded = _with_loads(case, points)
+    full_case = _with_loads(case, points)
     if yields:
-        check_formed(loaded)
-    solution = solve(loaded, progress)
-    found = _of_solution(case, solution, pressures, forces)
-    return _with_return(found, solution) if yields else found
+        check_formed(full_case)
+    solution = solve(full_case, progress)
+    table = _of_solution(case, solution, pressures, forces)
+    return _with_return(table, solution) if yields else table
 
 
 # Change of the leak rate at the largest load, after all others, up to which a formed body is taken to come back.
 _COMES_BACK = 0.01
 
 
-def _with_return(found: LeakMap, solution: SealSolution) -> LeakMap:
+def _with_return(table: LeakMap, solution: SealSolution) -> LeakMap:
     """The same, doubtful if the leak at its first load is another one when that load comes back."""
     first, last = solution.loads[0], solution.loads[-1]
     if len(solution.loads) < 2 or first.point != last.point or first.leak is None or last.leak is None:
-        return found
-    before, after = first.leak.leak_rate, last.leak.leak_rate
-    if math.isclose(before, after, rel_tol=_COMES_BACK):
-        return found
-    change = f"{100 * (after / before - 1):+.2g} %" if before > 0 else "from nothing"
-    returned = caution("load_history", change=change)
+        return table
+    first_rate, last_rate = first.leak.leak_rate, last.leak.leak_rate
+    if math.isclose(first_rate, last_rate, rel_tol=_COMES_BACK):
+        return table
+    change = f"{100 * (last_rate / first_rate - 1):+.2g} %" if first_rate > 0 else "from nothing"
+    remark = caution("load_history", change=change)
     validity = tuple(
-        tuple(None if one is None else Validity.of([*one.cautions, returned]) for one in row)
-        for row in found.validity
+        tuple(None if cell is None else Validity.of([*cell.cautions, remark]) for cell in row)
+        for row in table.validity
     )
-    return replace(found, validity=validity, reasons=(*found.reasons, returned.text))
+    return replace(table, validity=validity, reasons=(*table.reasons, remark.text))
 
 
 def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
@@ -227,7 +227,7 @@ def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
         "target_leak_rate": None,
     }
     # the forces of a table are those that are applied, whatever gives them
-    others = dict.fromkeys(one for one in ("requirement", "bolts") if getattr(case, one) is not None)
+    others = dict.fromkeys(key for key in ("requirement", "bolts") if getattr(case, key) is not None)
     return case.replace(load=grid, **others)
 
 
@@ -284,15 +284,15 @@ def _area_of_leak_rate(case: Case, pressure: float) -> float:
 
 
 def _pressures(case: Case) -> list[float]:
-    own = sorted(set(case.load.fluid_pressure))
-    if len(own) >= _FEWEST_PRESSURES:
-        return own
-    least = own[0] if len(own) > 1 else own[-1] / _RANGE
-    return [float(f"{one:.4g}") for one in np.geomspace(least, own[-1], _PRESSURES)]
+    pressures = sorted(set(case.load.fluid_pressure))
+    if len(pressures) >= _FEWEST_PRESSURES:
+        return pressures
+    lowest = pressures[0] if len(pressures) > 1 else pressures[-1] / _RANGE
+    return [float(f"{pressure:.4g}") for pressure in np.geomspace(lowest, pressures[-1], _PRESSURES)]
 
 
 def _check_increasing(name: str, values: Sequence[float]) -> list[float]:
-    found = [float(one) for one in values]
-    if not found or sorted(set(found)) != found or not all(map(math.isfinite, found)):
+    numbers = [float(value) for value in values]
+    if not numbers or sorted(set(numbers)) != numbers or not all(map(math.isfinite, numbers)):
         raise InputError.at(name, "must be finite numbers that increase, at least one")
-    return found
+    return numbers

@@ -66,8 +66,8 @@ class NominalSize:
     @property
     def short_text(self) -> str:
         """The size alone, as the case has it; DN of a whole number of millimetres."""
-        whole = math.isclose(1e3 * self.size, round(1e3 * self.size), rel_tol=1e-6)
-        return self.case_text or (f"DN {1e3 * self.size:.4g}" if whole else quantity("length", self.size))
+        is_whole = math.isclose(1e3 * self.size, round(1e3 * self.size), rel_tol=1e-6)
+        return self.case_text or (f"DN {1e3 * self.size:.4g}" if is_whole else quantity("length", self.size))
 
     def __str__(self) -> str:
         """The size in words."""
@@ -95,9 +95,9 @@ def nominal_size(case: Case) -> NominalSize:
     of = "bore of the seat" if case.gasket is None else "bore of the flange"
     circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
-        given = str(case.written.get("leak", {}).get("nominal_size", "")).strip().upper()
-        written = given if given.startswith("NPS") else ""
-        return NominalSize(case.leak.nominal_size, diameter, circle, False, written)
+        text = str(case.written.get("leak", {}).get("nominal_size", "")).strip().upper()
+        case_text = text if text.startswith("NPS") else ""
+        return NominalSize(case.leak.nominal_size, diameter, circle, False, case_text)
     return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
 
 
@@ -122,18 +122,18 @@ def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, floa
     from leak import effective_viscosity_ratio, liquid
     from leak.flow.rarefied import flow_ratio_range
 
-    own = fluid.gas
-    if own is None:
-        own_viscosity, tested = (
-            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure)
-            for one in (fluid, liquid(_TEST_LIQUID, ROOM_TEMPERATURE))
+    gas = fluid.gas
+    if gas is None:
+        own_viscosity, test_viscosity = (
+            medium.viscosity * effective_viscosity_ratio(medium.pressure_law, pressure)
+            for medium in (fluid, liquid(_TEST_LIQUID, ROOM_TEMPERATURE))
         )
-        ratio = own_viscosity / tested
+        ratio = own_viscosity / test_viscosity
         coldest = liquid(_TEST_LIQUID, TEST_TEMPERATURES[0]).viscosity
         water = fluid.name.lower() == _TEST_LIQUID and fluid.viscosity <= coldest
         return ("", (1.0, 1.0)) if ratio <= 1.0 or water else (_TEST_LIQUID, (ratio, ratio))
-    of_test = gas_of_test(fluid.name, own)
-    return ("", (1.0, 1.0)) if of_test is own else (TEST_GASES[0], flow_ratio_range(of_test, own))
+    of_test = gas_of_test(fluid.name, gas)
+    return ("", (1.0, 1.0)) if of_test is gas else (TEST_GASES[0], flow_ratio_range(of_test, gas))
 
 
 def test_of(fluid: Fluid, pressure: float, load: CaseLoad | None = None) -> tuple[str, tuple[float, float]]:
@@ -153,11 +153,11 @@ def test_of(fluid: Fluid, pressure: float, load: CaseLoad | None = None) -> tupl
     if not name or fluid.gas is None or load is None:
         return name, widest
     of_test = load.load_in_scenario(TEST_GAS)
-    own, tested = load.leak_interval, None if of_test is None else of_test.leak_interval
-    if own is None or tested is None:
+    interval, test_interval = load.leak_interval, None if of_test is None else of_test.leak_interval
+    if interval is None or test_interval is None:
         return name, widest
     # what is sealed is so for both
-    ratios = [other / end for other, end in zip(tested, own, strict=True) if 0.0 < end < math.inf]
+    ratios = [rate / end for rate, end in zip(test_interval, interval, strict=True) if 0.0 < end < math.inf]
     return name, (ratios[0], ratios[-1]) if ratios else (1.0, 1.0)
 
 
@@ -213,15 +213,15 @@ def next_class(case: Case, load: CaseLoad) -> NextClass | None:
     per_length = _per_length(case) if is_flange(case) else {}
     high = load.leak_interval[1] if per_length else in_the_test(case, load)[1]
     limits = leakage_limits(size, gas=gas, bubble_volume=_bubble_volume(case), **per_length)
-    first = "EN 13555" if per_length else limits[0].standard
-    missed = [one for one in limits if one.standard == first and 0 < one.leak_rate < high]
-    if not missed or math.isinf(high):
+    standard = "EN 13555" if per_length else limits[0].standard
+    classes = [entry for entry in limits if entry.standard == standard and 0 < entry.leak_rate < high]
+    if not classes or math.isinf(high):
         return None
-    closest = max(missed, key=lambda one: one.leak_rate)
+    closest = max(classes, key=lambda entry: entry.leak_rate)
     assert load.calculated_ends is not None  # of a leak rate
-    less = load.calculated_ends.high / load.leak_interval.high
+    share = load.calculated_ends.high / load.leak_interval.high
     return NextClass(
-        closest.standard, closest.name, high / closest.leak_rate, less * high <= closest.leak_rate
+        closest.standard, closest.name, high / closest.leak_rate, share * high <= closest.leak_rate
     )
 
 
@@ -303,8 +303,8 @@ def _touch_radii(case: Case) -> list[float]:
 def _per_length(case: Case) -> dict[str, float]:
     """Length and density of the classes per length."""
     gas = None if case.fluid is None else case.fluid.gas
-    found = {"seal_length": seal_length(case)}
-    return found if gas is None else {**found, "density": gas.density(STANDARD_PRESSURE)}
+    values = {"seal_length": seal_length(case)}
+    return values if gas is None else {**values, "density": gas.density(STANDARD_PRESSURE)}
 
 
 def _bubble_volume(case: Case) -> float | None:
@@ -326,12 +326,12 @@ def limits(case: Case, fluid_pressure: float, load: CaseLoad | None = None) -> t
         The load that is judged, whose contact says what a test with another fluid would find; without it the limits
         hold for any gap.
     """
-    required = case.requirement
-    if required is None or case.fluid is None:
+    requirement = case.requirement
+    if requirement is None or case.fluid is None:
         return ()
-    own = () if required.leak_rate is None else (limit_of_rate(required.leak_rate),)
-    of_class = _of_class(case, required, case.fluid, fluid_pressure, load)
-    return own if of_class is None else (*own, of_class)
+    of_rate = () if requirement.leak_rate is None else (limit_of_rate(requirement.leak_rate),)
+    of_class = _of_class(case, requirement, case.fluid, fluid_pressure, load)
+    return of_rate if of_class is None else (*of_rate, of_class)
 
 
 def limit_of_rate(leak_rate: float) -> Limit:
@@ -341,37 +341,37 @@ def limit_of_rate(leak_rate: float) -> Limit:
 
 
 def _of_class(
-    case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float, load: CaseLoad | None
+    case: Case, requirement: Requirement, fluid: Fluid, fluid_pressure: float, load: CaseLoad | None
 ) -> Limit | None:
     from leak.standards import STANDARDS, invisible_leak_rate, leakage_limits, visible_leak_rate
 
-    wanted = required.standard_and_class
-    if wanted is None:
+    key = requirement.standard_and_class
+    if key is None:
         return None
     size, gas = nominal_size(case), fluid.gas is not None
-    known = leakage_limits(
+    table = leakage_limits(
         size.size,
         gas=gas,
         pressure_drop=fluid_pressure,
         seat_diameter=size.diameter,
-        rated_capacity=required.rated_capacity,
-        bubble_volume=required.bubble_volume,
+        rated_capacity=requirement.rated_capacity,
+        bubble_volume=requirement.bubble_volume,
         set_pressure=case.set_pressure,
         **_per_length(case),
     )
-    found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
-    name = " ".join(wanted)
+    rates = [limit.leak_rate for limit in table if (limit.standard, limit.name) == key]
+    name = " ".join(key)
     test_fluid, ratio = test_of(fluid, fluid_pressure, load)
-    if wanted[0] in PER_LENGTH:
+    if key[0] in PER_LENGTH:
         # with helium, which the fluid of the case is if it is so tested
         test_fluid, ratio = "", (1.0, 1.0)
-    if not found:
+    if not rates:
         # class VI of FCI 70-2 ends at a diameter, API 527 at a set pressure
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
-    most, visible = found[0], 0.0
-    if not most:
-        most = invisible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
-        visible = visible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
-    bubble = required.bubble_volume or STANDARDS[wanted[0]].bubble_volume
-    counts_bubbles = gas and (visible > 0.0 or wanted[0] in ("API 598", RELIEF))
-    return Limit(name, most, visible, test_fluid, ratio, bubble if counts_bubbles else None)
+    rate, visible = rates[0], 0.0
+    if not rate:
+        rate = invisible_leak_rate(gas=gas, bubble_volume=requirement.bubble_volume)
+        visible = visible_leak_rate(gas=gas, bubble_volume=requirement.bubble_volume)
+    bubble = requirement.bubble_volume or STANDARDS[key[0]].bubble_volume
+    counts_bubbles = gas and (visible > 0.0 or key[0] in ("API 598", RELIEF))
+    return Limit(name, rate, visible, test_fluid, ratio, bubble if counts_bubbles else None)

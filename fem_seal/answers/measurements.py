@@ -95,17 +95,17 @@ def line_scans(roughness: Roughness) -> LineScans:
     lengths: dict[str, float] = {}
     across: dict[str, PowerSpectrum] = {}
     heights: dict[str, float] = {}
-    for key, one in roughness.parts.items():
-        if isinstance(one, FinishTable):
-            surface = one.surface()
+    for key, part in roughness.parts.items():
+        if isinstance(part, FinishTable):
+            surface = part.surface()
             across[key], heights[key] = surface.across, surface.spectrum.rms_height
-            lengths[key] = _CUTOFFS * one.finish.band.lambda_c
+            lengths[key] = _CUTOFFS * part.finish.band.lambda_c
         else:
-            across[key] = one.build()
+            across[key] = part.build()
             heights[key] = across[key].rms_height
             lengths[key] = _CUTOFFS * implied_filter("Rq", heights[key]).lambda_c
-    shares = {key: one**2 / sum(h**2 for h in heights.values()) for key, one in heights.items()}
-    scatters = [shares[key] * height_scatter(one, lengths[key]) for key, one in across.items()]
+    shares = {key: height**2 / sum(h**2 for h in heights.values()) for key, height in heights.items()}
+    scatters = [shares[key] * height_scatter(spectrum, lengths[key]) for key, spectrum in across.items()]
     return LineScans(max(lengths.values()), math.hypot(*scatters), shares)
 
 
@@ -146,12 +146,12 @@ class Draws:
 
         with np.errstate(divide="ignore"):
             log_rate = np.log([interval.leak_rate, *interval.others.values()])
-        known = np.isfinite(log_rate).all(axis=(0, 2))
+        finite = np.isfinite(log_rate).all(axis=(0, 2))
         columns = variables(interval.values)
-        if not columns or not known.any():
+        if not columns or not finite.any():
             return None
         inputs = np.concatenate(columns, axis=1)
-        outputs = log_rate[:, known].reshape(-1, interval.samples).T
+        outputs = log_rate[:, finite].reshape(-1, interval.samples).T
         surface = fit(inputs[:_FIT_SAMPLES], outputs[:_FIT_SAMPLES], inputs)
         if np.any(surface.error > np.maximum(_ROUGH * outputs.std(axis=0), _SMALLEST_SCATTER)):
             return None
@@ -162,26 +162,26 @@ class Draws:
             doubt, *places = sobol_points(_DRAWS, 2 * count + 2 + root.shape[1], interval.seed).T
             scores = root @ ndtri(places[2 * count + 1 :])
             # independent inputs: each with its own distribution
-            drawn = [
-                np.quantile(one, place)[:, None] if one.shape[1] == 1 else one[(place * len(one)).astype(int)]
-                for one, place in zip(columns, places[:count], strict=True)
+            draws = [
+                np.quantile(col, place)[:, None] if col.shape[1] == 1 else col[(place * len(col)).astype(int)]
+                for col, place in zip(columns, places[:count], strict=True)
             ]
         else:
             # what a leak test has left belongs together
             doubt, *places = sobol_points(interval.samples, 2 * count + 2, interval.seed).T
-            scores, drawn = interval.error_scores, columns
-        found = np.full((*log_rate.shape[:2], len(doubt)), math.nan)
-        found[:, known] = surface(np.concatenate(drawn, axis=1)).T.reshape(len(found), -1, len(doubt))
-        for rates, error, score in zip(found.swapaxes(0, 1), interval.own_error, scores, strict=True):
+            scores, draws = interval.error_scores, columns
+        ln_q = np.full((*log_rate.shape[:2], len(doubt)), math.nan)
+        ln_q[:, finite] = surface(np.concatenate(draws, axis=1)).T.reshape(len(ln_q), -1, len(doubt))
+        for rates, error, score in zip(ln_q.swapaxes(0, 1), interval.own_error, scores, strict=True):
             if error is not None:
                 rates += error.bias + error.spread * score
-        mean = found[0, known].mean(axis=0)
+        mean = ln_q[0, finite].mean(axis=0)
         values = {
-            name: one[:, 0] if interval.values[name].ndim == 1 else _effect(one, mean)
-            for name, one in zip(interval.values, drawn, strict=True)
+            name: column[:, 0] if interval.values[name].ndim == 1 else _effect(column, mean)
+            for name, column in zip(interval.values, draws, strict=True)
         }
         noise = ndtri(np.array(places[count : 2 * count + 1]).T[:TRUTHS])
-        return cls(interval.confidence, values, found, doubt, noise)
+        return cls(interval.confidence, values, ln_q, doubt, noise)
 
     def weigh(self, accuracy: Mapping[str, float], truth: Mapping[str, float] | None = None) -> FloatArray:
         """ln of the weights of all draws after a measurement of inputs, shape (truths, draws).
@@ -194,10 +194,10 @@ class Draws:
             The only one, ln of its values, shown without an error.
         """
         total = np.zeros((1, 1))
-        for (name, one), noise in zip(self.values.items(), self.noise.T, strict=False):
+        for (name, values), noise in zip(self.values.items(), self.noise.T, strict=False):
             if name in accuracy:
-                shows = np.array([truth[name]]) if truth else one[:TRUTHS] + accuracy[name] * noise
-                total = total - 0.5 * ((one - shows[:, None]) / accuracy[name]) ** 2
+                shows = np.array([truth[name]]) if truth else values[:TRUTHS] + accuracy[name] * noise
+                total = total - 0.5 * ((values - shows[:, None]) / accuracy[name]) ** 2
         return total
 
     def weigh_test(self, at: int, accuracy: float, doubt: Bounds) -> FloatArray:
@@ -229,19 +229,19 @@ class Draws:
         log_weights : ndarray, shape (truths, draws), or that for each reading
         """
         shares = 0.5 - 0.5 * self.confidence, 0.5 + 0.5 * self.confidence
-        every = np.broadcast_to(log_weights, (len(log_rate), log_weights.shape[-2], log_rate.shape[1]))
-        found = [
-            [weighted_quantiles(rates, np.exp(one - one.max()), shares) for one in own]
-            for rates, own in zip(log_rate, every, strict=True)
+        weights = np.broadcast_to(log_weights, (len(log_rate), log_weights.shape[-2], log_rate.shape[1]))
+        quantiles = [
+            [weighted_quantiles(rates, np.exp(row - row.max()), shares) for row in rows]
+            for rates, rows in zip(log_rate, weights, strict=True)
         ]
-        low, high = np.moveaxis(np.array(found), -1, 0)
+        low, high = np.moveaxis(np.array(quantiles), -1, 0)
         return low.min(axis=0), high.max(axis=0)
 
     def width(self, log_rate: FloatArray, log_weights: FloatArray) -> float | None:
         """Mean over the truths of ln(upper/lower end); None where too few draws have a weight."""
         weights = np.exp(log_weights - log_weights.max(axis=-1, keepdims=True))
-        counted = weights.sum(axis=-1) ** 2 / (weights**2).sum(axis=-1)
-        if log_weights.size > 1 and np.median(counted) < _FEWEST:
+        effective = weights.sum(axis=-1) ** 2 / (weights**2).sum(axis=-1)
+        if log_weights.size > 1 and np.median(effective) < _FEWEST:
             return None
         low, high = self.ends(log_rate, log_weights)
         return float((high - low).mean())
@@ -256,8 +256,8 @@ def weighted_quantiles(values: FloatArray, weights: FloatArray, shares: Sequence
     shares : sequence of float
     """
     order = np.argsort(values)
-    passed = np.cumsum(weights[order])
-    return np.interp(np.array(shares) * passed[-1], passed - 0.5 * weights[order], values[order])
+    cumulative = np.cumsum(weights[order])
+    return np.interp(np.array(shares) * cumulative[-1], cumulative - 0.5 * weights[order], values[order])
 
 
 def error_root(log_peaks: FloatArray) -> FloatArray:
@@ -274,8 +274,8 @@ def error_root(log_peaks: FloatArray) -> FloatArray:
 
 def _effect(columns: FloatArray, response: FloatArray) -> FloatArray:
     """What columns do to a response, linearly."""
-    centred = columns - columns.mean(axis=0)
-    return np.asarray(centred @ np.linalg.lstsq(centred, response - response.mean(), rcond=None)[0])
+    deviations = columns - columns.mean(axis=0)
+    return np.asarray(deviations @ np.linalg.lstsq(deviations, response - response.mean(), rcond=None)[0])
 
 
 def accuracies(
@@ -291,15 +291,15 @@ def accuracies(
         Standard deviation of ln of what one unit of `scatters` means, by input [-].
     """
     for instrument, table in instruments().items():
-        found = {}
-        for name, one in values.items():
+        accuracy = {}
+        for name, column in values.items():
             kind = "spectrum" if name in PARTS else "scan_length" if name.startswith("scan_length") else name
             if kind in table.get("accuracies", {}):
-                found[name] = table["accuracies"][kind]
+                accuracy[name] = table["accuracies"][kind]
             elif kind in table.get("shares", {}):
-                found[name] = table["shares"][kind] * float(one.std())
+                accuracy[name] = table["shares"][kind] * float(column.std())
             elif kind in table.get("scatters", {}) and name in scatter:
-                found[name] = table["scatters"][kind] * scatter[name]
-        yield from ((instrument, {name: one}) for name, one in found.items())
-        if len(found) > 1:
-            yield instrument, found
+                accuracy[name] = table["scatters"][kind] * scatter[name]
+        yield from ((instrument, {name: value}) for name, value in accuracy.items())
+        if len(accuracy) > 1:
+            yield instrument, accuracy

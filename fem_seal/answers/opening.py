@@ -47,12 +47,12 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Opening, ...]:
         # elastic bodies are the same after every load
         different = {key(load): load for load in reversed(seal.loads)} if of.fluid_may_open else {}
         opens = {
-            one: request.steps.compute(
+            state: request.steps.compute(
                 f"pressure that opens the seal under {load.applied_force:.6g} N",
                 partial(solver.blow_off_pressure, load.applied_force, load.contact),
                 None,
             )
-            for one, load in different.items()
+            for state, load in different.items()
         }
         loads = tuple(
             load.with_values(
@@ -62,7 +62,7 @@ def _compute(seal: SolvedSeal, request: Request) -> tuple[Opening, ...]:
             for load in seal.loads
         )
         loads = request.steps.compute(OPENING.subject, partial(with_margins, solver, loads), loads)
-    return tuple(Opening(one.effective_radius, one.blow_off_pressure, one.opening) for one in loads)
+    return tuple(Opening(load.effective_radius, load.blow_off_pressure, load.opening) for load in loads)
 
 
 OPENING = Answer[tuple[Opening, ...]](
@@ -70,7 +70,7 @@ OPENING = Answer[tuple[Opening, ...]](
     "margin to opening",
     _compute,
     (),
-    of_load=lambda load, number, found: load.with_values(**vars(found[number])) if found else load,
+    of_load=lambda load, number, openings: load.with_values(**vars(openings[number])) if openings else load,
     needs=("problem.loads.may_open",),
     of_part=True,
 )
@@ -90,14 +90,14 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     ------
     ConvergenceError
     """
-    applied = [force for _, force in problem.loads.points]
-    forces = [share * abs(force) for force in applied for share in (1.0, 0.1) if force]
+    applied_forces = [force for _, force in problem.loads.points]
+    forces = [share * abs(force) for force in applied_forces for share in (1.0, 0.1) if force]
     if problem.on_sealed_area or not forces:
         radius, side = problem.initial_contact_radius, problem.loads.pressure_side
-        return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
+        return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied_forces])
     solver = LoadSolver.on_mesh(problem, size_mesh(problem, forces))
-    known = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied)}
-    return np.array([known[force] for force in applied])
+    pressures = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied_forces)}
+    return np.array([pressures[force] for force in applied_forces])
 
 
 def with_margins(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[CaseLoad, ...]:
@@ -109,13 +109,13 @@ def with_margins(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[CaseLoa
     loads : sequence of CaseLoad
         With the pressure that opens the seal.
     """
-    side, found = solver.problem.loads.pressure_side, []
+    side, results = solver.problem.loads.pressure_side, []
     for load in loads:
         pressure, applied_force = load.fluid_pressure, load.applied_force
-        held = solver.opening_force(pressure, load.contact) if side == "outer" and applied_force < 0 else None
-        margin = opening_margin(pressure, applied_force, side, opens=load.blow_off_pressure, held=held)
-        found.append(load.with_values(opening=margin))
-    return tuple(found)
+        edge = solver.opening_force(pressure, load.contact) if side == "outer" and applied_force < 0 else None
+        margin = opening_margin(pressure, applied_force, side, opens=load.blow_off_pressure, edge=edge)
+        results.append(load.with_values(opening=margin))
+    return tuple(results)
 
 
 def opening_margin(
@@ -124,7 +124,7 @@ def opening_margin(
     pressure_side: PressureSide,
     *,
     opens: float | None = None,
-    held: float | None = None,
+    edge: float | None = None,
 ) -> OpeningMargin | None:
     """Distance from opening the seal; None where neither fluid nor applied force opens it.
 
@@ -137,7 +137,7 @@ def opening_margin(
     pressure_side : {"outer", "inner"}
     opens : float, optional
         With the pressure inside, the one that opens the seal under this force [Pa].
-    held : float, optional
+    edge : float, optional
         With the pressure outside, the negative force that opens the seal at this pressure [N].
 
     Examples
@@ -154,7 +154,7 @@ def opening_margin(
         share = 1 - fluid_pressure / opens
         return OpeningMargin(share * applied_force, opens - fluid_pressure, share)
     # the spring lifts, and the fluid has to hold it
-    if applied_force >= 0 or held is None or not held < 0:
+    if applied_force >= 0 or edge is None or not edge < 0:
         return None
-    share = 1 - applied_force / held
-    return OpeningMargin(applied_force - held, share * fluid_pressure, share)
+    share = 1 - applied_force / edge
+    return OpeningMargin(applied_force - edge, share * fluid_pressure, share)

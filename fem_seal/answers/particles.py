@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 # Sizes at which the leak is looked at [m]: the series E12, 12 to the decade, from a nanometre to nearly a millimetre.
 _SERIES = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
-_SIZES = tuple(float(f"{one}e{decade}") for decade in range(-9, -3) for one in _SERIES)
+_SIZES = tuple(float(f"{digits}e{decade}") for decade in range(-9, -3) for digits in _SERIES)
 # Below this share of the narrowest place particles pass: they would shut some ten-thousandths of the leak.
 _FREE_SHARE = 0.2
 # More of the leak than one of them is all, and less than the other none; at most so many sizes lie between.
@@ -119,35 +119,35 @@ def particle_answers(loads: Sequence[CaseLoad], counts: ParticleCounts) -> tuple
     counts : ParticleCounts
         Particles in its fluid.
     """
-    shut = _shut_function()
-    found = (_answers(load, counts, shut) for load in loads)
-    return tuple(one for one in found if one is not None)
+    shut_gaps = _shut_function()
+    answers = (_answers(load, counts, shut_gaps) for load in loads)
+    return tuple(answer for answer in answers if answer is not None)
 
 
-def answers_of(load: CaseLoad, found: Sequence[ParticleAnswers]) -> ParticleAnswers | None:
+def answers_of(load: CaseLoad, answers: Sequence[ParticleAnswers]) -> ParticleAnswers | None:
     """Those of one load; None if it does not leak or lies outside the theory.
 
     Parameters
     ----------
     load : CaseLoad
-    found : sequence of ParticleAnswers
+    answers : sequence of ParticleAnswers
         Of all loads.
     """
     if load.validity.outside_theory:
         return None
-    return next((one for one in found if (one.fluid_pressure, one.applied_force) == load.point), None)
+    return next((x for x in answers if (x.fluid_pressure, x.applied_force) == load.point), None)
 
 
 def _shut_function() -> ShutFunction:
     """Rough surfaces with all gaps below a size shut, made once for each surface and size."""
 
     @cache
-    def shut(rough: LeakModel, size: float) -> LeakModel:
+    def shut_gaps(rough: LeakModel, size: float) -> LeakModel:
         table = rough.table
         assert table is not None  # the load leaks
         return replace(rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size))
 
-    return shut
+    return shut_gaps
 
 
 @dataclass(frozen=True)
@@ -160,12 +160,14 @@ class _Scenario:
     shut: ShutFunction
 
     @classmethod
-    def of(cls, load: CaseLoad, shut: ShutFunction) -> list[_Scenario]:
+    def of(cls, load: CaseLoad, shut_gaps: ShutFunction) -> list[_Scenario]:
         """Those of all scenarios that leak."""
         return [
-            cls(one, one.rough, one.leak.leak_rate, shut)
-            for one in (load, *load.others.values())
-            if one.rough is not None and one.leak is not None and 0 < one.leak.leak_rate < math.inf
+            cls(scenario, scenario.rough, scenario.leak.leak_rate, shut_gaps)
+            for scenario in (load, *load.others.values())
+            if scenario.rough is not None
+            and scenario.leak is not None
+            and 0 < scenario.leak.leak_rate < math.inf
         ]
 
     @cached_property
@@ -193,58 +195,58 @@ class _Scenario:
 
     def remaining_share(self, size: float) -> float:
         """Share of the leak that is left with all gaps below a size shut."""
-        found = replace(self.load, rough=self.shut(self.rough, size)).leak
-        assert found is not None  # that of the open surfaces is there
-        return min(found.leak_rate / self.leak_rate, 1.0)
+        result = replace(self.load, rough=self.shut(self.rough, size)).leak
+        assert result is not None  # that of the open surfaces is there
+        return min(result.leak_rate / self.leak_rate, 1.0)
 
     def places(self) -> Paths:
         table, profile = self.rough.table, self.profile
         assert table is not None  # the load leaks
         length = leak.throttling_length(profile.x, profile.pressure, table.liquid)
         faces = 1 if self.rough.flow is None else self.rough.flow.faces
-        around = 2.0 * math.pi * self.load.contact.model.initial_contact_radius * faces
-        return leak.parallel_paths(around, length, self.largest_passing)
+        circle = 2.0 * math.pi * self.load.contact.model.initial_contact_radius * faces
+        return leak.parallel_paths(circle, length, self.largest_passing)
 
 
-def _answers(load: CaseLoad, counts: ParticleCounts, shut: ShutFunction) -> ParticleAnswers | None:
-    scenarios = _Scenario.of(load, shut)
+def _answers(load: CaseLoad, counts: ParticleCounts, shut_gaps: ShutFunction) -> ParticleAnswers | None:
+    scenarios = _Scenario.of(load, shut_gaps)
     # a scratch leaks where nothing else does, and is open to particles
-    if not scenarios or not all(one.largest_passing > 0.0 for one in scenarios):
+    if not scenarios or not all(state.largest_passing > 0.0 for state in scenarios):
         return None
     sizes, shares = _curve(scenarios)
     particles = counts.at_least(sizes)
-    each = [leak.stopped(counts, sizes, share) for share in shares]
-    places = [one.places() for one in scenarios]
+    stops = [leak.stopped(counts, sizes, share) for share in shares]
+    places = [state.places() for state in scenarios]
     decays = [
-        leak.cloggings(*one) for one in zip((r.leak_rate for r in scenarios), each, places, strict=True)
+        leak.cloggings(*terms) for terms in zip((r.leak_rate for r in scenarios), stops, places, strict=True)
     ]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
-    left = None if filter_size is None else Bounds.of(one.remaining_share(filter_size) for one in scenarios)
+    residue = None if filter_size is None else Bounds.of(x.remaining_share(filter_size) for x in scenarios)
     # a scratch stays open, whatever is shut beside it
-    halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
-    keeping = [_size_that_leaves(KEPT_SHARE, sizes, share) for share in shares]
+    is_halved = max(0.0 if residue is None else residue[1], *(share[-1] for share in shares)) < 0.5
+    filters = [_size_that_leaves(KEPT_SHARE, sizes, share) for share in shares]
     return ParticleAnswers(
         load.fluid_pressure,
         load.applied_force,
-        Bounds.of(one.leak_rate for one in scenarios),
-        Bounds.of(size for one in scenarios for size in one.narrowest),
+        Bounds.of(state.leak_rate for state in scenarios),
+        Bounds.of(size for state in scenarios for size in state.narrowest),
         tuple(
             ShutGaps(
                 float(size),
-                Bounds.of(one.area_below(float(size)) for one in scenarios),
-                Bounds.of(one.leak_rate * share[n] for one, share in zip(scenarios, shares, strict=True)),
+                Bounds.of(state.area_below(float(size)) for state in scenarios),
+                Bounds.of(state.leak_rate * share[n] for state, share in zip(scenarios, shares, strict=True)),
                 Bounds.of(share[n] for share in shares),
                 Bounds(float(particles.low[n]), float(particles.high[n])),
             )
             for n, size in enumerate(sizes)
         ),
-        Bounds.of(float(end[0]) for one in each for end in (one.low, one.high)),
-        Bounds.of(count for one in places for count in one),
-        Bounds.of(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NO_CLOGGING,
-        Bounds.of(decay.time_to(0.5) for both in decays for decay in both) if halved else _NO_CLOGGING,
-        Bounds.of(size for size in keeping if size is not None) if any(keeping) else None,
+        Bounds.of(float(end[0]) for stop in stops for end in (stop.low, stop.high)),
+        Bounds.of(count for pair in places for count in pair),
+        Bounds.of(decay.volume_to(0.5) for both in decays for decay in both) if is_halved else _NO_CLOGGING,
+        Bounds.of(decay.time_to(0.5) for both in decays for decay in both) if is_halved else _NO_CLOGGING,
+        Bounds.of(size for size in filters if size is not None) if any(filters) else None,
         filter_size,
-        left,
+        residue,
     )
 
 
@@ -252,34 +254,34 @@ def _curve(scenarios: Sequence[_Scenario]) -> tuple[FloatArray, list[FloatArray]
     """Round sizes, and the share of the leak that is left of each reading."""
 
     def shares(size: float) -> list[float]:
-        return [one.remaining_share(size) for one in scenarios]
+        return [state.remaining_share(size) for state in scenarios]
 
-    expected = _FREE_SHARE * min(one.largest_passing for one in scenarios)
-    first = int(np.searchsorted(_SIZES, expected))
-    found = {_SIZES[first]: shares(_SIZES[first])}
+    estimate = _FREE_SHARE * min(state.largest_passing for state in scenarios)
+    first = int(np.searchsorted(_SIZES, estimate))
+    curve = {_SIZES[first]: shares(_SIZES[first])}
     # almost sealed, the last paths are lost to particles far below the narrowest place
     for size in reversed(_SIZES[:first]):
-        if min(found[min(found)]) > _ALL_OF_LEAK:
+        if min(curve[min(curve)]) > _ALL_OF_LEAK:
             break
-        found[size] = shares(size)
+        curve[size] = shares(size)
     for size in _SIZES[first + 1 :]:
-        if max(found[max(found)]) < _NO_LEAK or len(found) > _MOST_SIZES:
+        if max(curve[max(curve)]) < _NO_LEAK or len(curve) > _MOST_SIZES:
             break
-        found[size] = shares(size)
-    sizes = sorted(found)
+        curve[size] = shares(size)
+    sizes = sorted(curve)
     # a few parts in a million of interpolation may not make a leak grow
-    return np.array(sizes), list(np.minimum.accumulate([found[size] for size in sizes], axis=0).T)
+    return np.array(sizes), list(np.minimum.accumulate([curve[size] for size in sizes], axis=0).T)
 
 
-def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> float | None:
+def _size_that_leaves(target: float, sizes: FloatArray, share: FloatArray) -> float | None:
     """Size below which gaps may be shut for a share of the leak; None if it is not among them."""
-    lost = 1.0 - share
-    if not lost[0] < 1.0 - kept < lost[-1]:
+    loss = 1.0 - share
+    if not loss[0] < 1.0 - target < loss[-1]:
         return None
     # what is lost goes like the fourth power of the size
-    k = int(np.searchsorted(lost, 1.0 - kept))
+    k = int(np.searchsorted(loss, 1.0 - target))
     at = np.interp(
-        math.log(1.0 - kept), np.log(np.maximum(lost[k - 1 : k + 1], 1e-9)), np.log(sizes[k - 1 : k + 1])
+        math.log(1.0 - target), np.log(np.maximum(loss[k - 1 : k + 1], 1e-9)), np.log(sizes[k - 1 : k + 1])
     )
     return math.exp(float(at))
 

@@ -138,7 +138,9 @@ class QuickSamples:
 
 
 def pass_probabilities(
-    seal: SolvedSeal, progress: Callable[[str], None] = lambda text: None, known: KnownRates | None = None
+    seal: SolvedSeal,
+    progress: Callable[[str], None] = lambda text: None,
+    known_rates: KnownRates | None = None,
 ) -> list[PassProbability | None]:
     """The share of the samples that keep the requirement, at each load; None where nothing is required.
 
@@ -155,7 +157,7 @@ def pass_probabilities(
         Its loads with their validity.
     progress : callable, optional
         Called with a status message before each step.
-    known : dict, optional
+    known_rates : dict, optional
         See `Samples.known_rates`.
 
     Raises
@@ -177,14 +179,16 @@ def pass_probabilities(
     K. Chaloner, I. Verdinelli, Stat. Sci. 10, 273 (1995): runs that tell most of coefficients with a prior.
     """
     case, settings = seal.case, seal.case.sampled
-    required = case.requirement
-    asked = [n for n, load in enumerate(seal.loads) if required and required.judges(load.fluid_pressure)]
-    none = {n: why for n in asked if (why := why_none(case, seal.loads[n]))}
-    judged = [n for n in asked if n not in none]
-    found: dict[int, PassProbability] = {n: PassProbability(why_none=why) for n, why in none.items()}
-    if judged:
-        found |= dict(zip(judged, _estimate_shares(seal, settings, judged, progress, known), strict=True))
-    return [found.get(n) for n in range(len(seal.loads))]
+    demand = case.requirement
+    numbers = [n for n, load in enumerate(seal.loads) if demand and demand.judges(load.fluid_pressure)]
+    none = {n: why for n in numbers if (why := why_none(case, seal.loads[n]))}
+    ready = [n for n in numbers if n not in none]
+    chances: dict[int, PassProbability] = {n: PassProbability(why_none=why) for n, why in none.items()}
+    if ready:
+        chances |= dict(
+            zip(ready, _estimate_shares(seal, settings, ready, progress, known_rates), strict=True)
+        )
+    return [chances.get(n) for n in range(len(seal.loads))]
 
 
 def why_none(case: Case, load: CaseLoad) -> str:
@@ -200,7 +204,7 @@ def why_none(case: Case, load: CaseLoad) -> str:
         return sentence("pass_probability", "no_leak_rate")
     if load.validity.outside_theory:
         return load.validity.reasons[0]
-    if any(math.isnan(one.leak_rate) for one in limits(case, load.fluid_pressure)):
+    if any(math.isnan(limit.leak_rate) for limit in limits(case, load.fluid_pressure)):
         return sentence("pass_probability", "no_limit")
     if case.sampled is None and load.flow_error is None:
         return sentence("pass_probability", "nothing_scatters")
@@ -215,35 +219,35 @@ def _estimate_shares(
     known_rates: KnownRates | None,
 ) -> list[PassProbability]:
     if settings is None:
-        sampled = Samples.of_nothing(seal)
+        samples = Samples.of_nothing(seal)
     else:
-        many = settings.model_copy(update={"samples": max(settings.samples, _SAMPLES)})
-        sampled = Samples.of(seal, many, known_rates)
-    if not sampled.run_inputs:
-        of_case = sampled.of_case[:, loads].ravel()
-        twice = QuickSamples(sampled, tuple(loads), np.array([0, 0]), np.tile(of_case, (2, 1)))
-        return _of_loads(seal.case, twice)
-    order: Iterable[int] = Plan.of(sampled.scores).order
-    most, rates = min(_MOST_RUNS, len(sampled.uniform)), dict[int, FloatArray]()
-    goal = min(_FOR_EACH * sampled.scores.shape[1] + 2, most)
+        sampling = settings.model_copy(update={"samples": max(settings.samples, _SAMPLES)})
+        samples = Samples.of(seal, sampling, known_rates)
+    if not samples.run_inputs:
+        of_case = samples.of_case[:, loads].ravel()
+        quick = QuickSamples(samples, tuple(loads), np.array([0, 0]), np.tile(of_case, (2, 1)))
+        return _of_loads(seal.case, quick)
+    order: Iterable[int] = Plan.of(samples.scores).order
+    most_runs, rates = min(_MOST_RUNS, len(samples.uniform)), dict[int, FloatArray]()
+    goal = min(_FOR_EACH * samples.scores.shape[1] + 2, most_runs)
     while True:
-        new = list(islice((number for number in order if number not in rates), goal - len(rates)))
+        numbers = list(islice((number for number in order if number not in rates), goal - len(rates)))
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
-        rates.update(zip(new, sampled.leak_rates(new, loads).reshape(len(new), -1), strict=True))
+        rates.update(zip(numbers, samples.leak_rates(numbers, loads).reshape(len(numbers), -1), strict=True))
         runs = np.array(list(rates.values()))
-        converged = sampled.valid_rows(runs)
-        known, runs = np.array(list(rates))[converged], runs[converged]
-        tried = next(number for number in range(len(rates) + 1) if number not in rates)
-        quick = QuickSamples(sampled, tuple(loads), known, runs, tried)
-        if len(known) > sampled.scores.shape[1] + 1:
-            found = _of_loads(seal.case, quick)
-            if goal >= most or all(one.error <= _ERROR for one in found):
-                return found
+        valid = samples.valid_rows(runs)
+        run_numbers, runs = np.array(list(rates))[valid], runs[valid]
+        tried_count = next(number for number in range(len(rates) + 1) if number not in rates)
+        quick = QuickSamples(samples, tuple(loads), run_numbers, runs, tried_count)
+        if len(run_numbers) > samples.scores.shape[1] + 1:
+            chances = _of_loads(seal.case, quick)
+            if goal >= most_runs or all(chance.error <= _ERROR for chance in chances):
+                return chances
         if quick.smooth(slice(None)):
-            goal = min(goal + _RUNS_AT_A_TIME if goal < _CHOSEN_RUNS else 2 * goal, most)
+            goal = min(goal + _RUNS_AT_A_TIME if goal < _CHOSEN_RUNS else 2 * goal, most_runs)
         else:
             # those that tell most do not stand for all
-            order, goal = range(len(sampled.uniform)), min(max(2 * goal, _COUNTED_RUNS), most)
+            order, goal = range(len(samples.uniform)), min(max(2 * goal, _COUNTED_RUNS), most_runs)
 
 
 def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
@@ -252,52 +256,52 @@ def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
 
 
 def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> PassProbability:
-    allowed, settings = limits(case, load.fluid_pressure), case.sampled
-    own = error = load.flow_error or _NO_ERROR
+    caps, settings = limits(case, load.fluid_pressure), case.sampled
+    own_error = error = load.flow_error or _NO_ERROR
     if settings is not None and settings.posterior is not None:
         # a leak test has left one of each sample
-        left = Posterior.read(settings.posterior).error_at(np.log10([load.peak_pressure]), settings.seed)[0]
-        own = FlowError(error.bias + error.spread * left, _NO_ERROR.spread)
-    ln_most, read = _ln_most(allowed), []
+        scores = Posterior.read(settings.posterior).error_at(np.log10([load.peak_pressure]), settings.seed)[0]
+        own_error = FlowError(error.bias + error.spread * scores, _NO_ERROR.spread)
+    ln_most, chances = _ln_most(caps), []
     for scenario in range(quick.samples.scenario_count):
-        columns = [quick.column(scenario, number, in_test=_tested_with_gas(case, one)) for one in allowed]
+        columns = [quick.column(scenario, number, in_test=_tested_with_gas(case, cap)) for cap in caps]
         batch = math.nan
         if quick.smooth(columns) or not quick.samples.run_inputs:
             surface = quick.surface(columns, ln_most)
-            share, off = _by_polynomial(quick, surface, own)
+            share, deviation = _by_polynomial(quick, surface, own_error)
             # what a leak test has left belongs together, and is that of one seal
-            batch = math.nan if own is not error else _batch(case, quick, surface, error)
+            batch = math.nan if own_error is not error else _batch(case, quick, surface, error)
         else:
-            share, off = _by_count(quick, columns, ln_most, own)
-        read.append(PassProbability(round(share, _DIGITS), off, batch))
-    return min(read, key=lambda one: one.share)
+            share, deviation = _by_count(quick, columns, ln_most, own_error)
+        chances.append(PassProbability(round(share, _DIGITS), deviation, batch))
+    return min(chances, key=lambda chance: chance.share)
 
 
-def _by_polynomial(quick: QuickSamples, surface: ResponseSurface, own: FlowError) -> tuple[float, float]:
+def _by_polynomial(quick: QuickSamples, surface: ResponseSurface, error: FlowError) -> tuple[float, float]:
     """Share of the samples that pass, and its standard error."""
-    terms, ln_viscosity, few = quick.plan.terms, np.log(quick.samples.viscosity), slice(_OF_DRAWN)
+    terms, ln_viscosity, subset = quick.plan.terms, np.log(quick.samples.viscosity), slice(_OF_DRAWN)
     ln_ratio = (terms @ surface.coefficients).min(axis=1) + ln_viscosity
-    share = float(own.share_below(np.exp(ln_ratio)).mean())
-    possible = np.tensordot(terms[few], surface.draw(_CURVES), 1).min(axis=1) + ln_viscosity[few, None]
-    by_polynomial = float(_part(own, (few, None)).share_below(np.exp(possible)).mean(axis=0).std())
+    share = float(error.share_below(np.exp(ln_ratio)).mean())
+    possible = np.tensordot(terms[subset], surface.draw(_CURVES), 1).min(axis=1) + ln_viscosity[subset, None]
+    by_polynomial = float(_part(error, (subset, None)).share_below(np.exp(possible)).mean(axis=0).std())
     by_count = _error_of_count(share, len(terms)) if quick.samples.inputs else 0.0
     return share, math.hypot(by_count, by_polynomial)
 
 
 def _by_count(
-    quick: QuickSamples, columns: Sequence[int], ln_most: FloatArray, own: FlowError
+    quick: QuickSamples, columns: Sequence[int], ln_most: FloatArray, error: FlowError
 ) -> tuple[float, float]:
     """The same of the runs alone, as far as they stand for all samples."""
     runs = np.flatnonzero(quick.run_numbers < quick.tried_count)
-    known, rates = quick.run_numbers[runs], quick.runs[runs][:, columns]
-    ln_ratio = _ln_ratio(ln_most, rates / quick.samples.viscosity[known, None]).min(axis=1)
-    share = float(_part(own, known).share_below(np.exp(ln_ratio)).mean()) if len(known) else 0.5
-    return share, _error_of_count(share, len(known))
+    numbers, rates = quick.run_numbers[runs], quick.runs[runs][:, columns]
+    ln_ratio = _ln_ratio(ln_most, rates / quick.samples.viscosity[numbers, None]).min(axis=1)
+    share = float(_part(error, numbers).share_below(np.exp(ln_ratio)).mean()) if len(numbers) else 0.5
+    return share, _error_of_count(share, len(numbers))
 
 
-def _part(own: FlowError, samples: IntArray | tuple[slice, None]) -> FlowError:
+def _part(error: FlowError, samples: IntArray | tuple[slice, None]) -> FlowError:
     """That of some samples, where each has its own."""
-    return replace(own, bias=own.bias[samples]) if own.bias.ndim else own
+    return replace(error, bias=error.bias[samples]) if error.bias.ndim else error
 
 
 def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: FlowError) -> float:
@@ -308,27 +312,27 @@ def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: Flo
     """
     from scipy.special import ndtri
 
-    sampled, settings = quick.samples, case.sampled
+    base, settings = quick.samples, case.sampled
     if settings is None or not settings.of_parts:
         return math.nan
-    names = ["spectrum" if isinstance(one, UncertainScans) else one.name for one in sampled.inputs]
-    counts = [one.dimensions for one in sampled.inputs]
+    names = ["spectrum" if isinstance(source, UncertainScans) else source.name for source in base.inputs]
+    counts = [source.dimensions for source in base.inputs]
     of_parts = np.repeat([name in settings.of_parts for name in names], counts)
     batches = sobol_points(_BATCHES, len(of_parts) + 1, settings.seed)
     seals = sobol_points(_SEALS, len(of_parts), settings.seed + 1)
     uniform = np.where(of_parts, seals, batches[:, None, :-1]).reshape(-1, len(of_parts))
-    many = replace(sampled, uniform=uniform)
-    ln_ratio = (surface(many.scores).min(axis=1) + np.log(many.viscosity)).reshape(_BATCHES, _SEALS)
+    samples = replace(base, uniform=uniform)
+    ln_ratio = (surface(samples.scores).min(axis=1) + np.log(samples.viscosity)).reshape(_BATCHES, _SEALS)
     of_seals = np.sqrt(np.maximum(error.parts.get("few waves", 0.0), _NO_ERROR.spread**2))
     of_batch = np.sqrt(np.maximum(error.spread**2 - of_seals**2, 0.0))
-    own = FlowError(error.bias + of_batch * ndtri(batches[:, -1:]), of_seals)
-    return float(np.quantile(own.share_below(np.exp(ln_ratio)).mean(axis=1), _DOUBT))
+    batch_error = FlowError(error.bias + of_batch * ndtri(batches[:, -1:]), of_seals)
+    return float(np.quantile(batch_error.share_below(np.exp(ln_ratio)).mean(axis=1), _DOUBT))
 
 
 def _error_of_count(share: float, count: int) -> float:
     """Standard deviation of a share of which so many were seen, each one before as likely as any other."""
-    passed = share * count
-    return math.sqrt((passed + 1.0) * (count - passed + 1.0) / (count + 3.0)) / (count + 2.0)
+    successes = share * count
+    return math.sqrt((successes + 1.0) * (count - successes + 1.0) / (count + 3.0)) / (count + 2.0)
 
 
 def _tested_with_gas(case: Case, limit: Limit) -> bool:
@@ -336,12 +340,12 @@ def _tested_with_gas(case: Case, limit: Limit) -> bool:
     return bool(limit.test_fluid) and case.fluid is not None and case.fluid.gas is not None
 
 
-def _ln_most(allowed: Sequence[Limit]) -> FloatArray:
+def _ln_most(caps: Sequence[Limit]) -> FloatArray:
     """ln of what each limit allows, shape (limits,) [m^3/s]."""
     # a liquid leaks so many times as much in the test; a gas has a column of its own, and its ratio is a range
-    more = [one.ratio[1] if one.ratio[0] == one.ratio[1] else 1.0 for one in allowed]
+    ratios = [cap.ratio[1] if cap.ratio[0] == cap.ratio[1] else 1.0 for cap in caps]
     with np.errstate(divide="ignore"):
-        return np.log([one.leak_rate for one in allowed]) - np.log(more)
+        return np.log([cap.leak_rate for cap in caps]) - np.log(ratios)
 
 
 def _ln_ratio(ln_most: FloatArray, rates: FloatArray) -> FloatArray:
@@ -357,7 +361,7 @@ PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     (),
     # the preload of bolts is not among what is sampled
     lambda seal, request: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
-    lambda load, number, found: load.with_values(chance=found[number]) if found else load,
+    lambda load, number, chances: load.with_values(chance=chances[number]) if chances else load,
     "samples that keep the requirement",
     needs=("case.requirement", "problem.leaks"),
 )

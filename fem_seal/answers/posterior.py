@@ -49,7 +49,7 @@ class Posterior:
             **{_THEORY.format(10.0**x): e for x, e in zip(self.peaks, self.error.T, strict=True)},
         }
         rows = np.column_stack(list(columns.values())) if columns else np.empty((0, 0))
-        lines = [",".join(columns), *(",".join(f"{one:.9g}" for one in row) for row in rows.tolist())]
+        lines = [",".join(columns), *(",".join(f"{value:.9g}" for value in row) for row in rows.tolist())]
         return write_text(path, "\n".join(lines) + "\n")
 
     @classmethod
@@ -68,8 +68,8 @@ class Posterior:
         if len(table.header) != table.values.shape[1]:
             raise InputError(problem("posterior_header", file=path))
         columns = dict(zip(table.header, table.values.T, strict=True))
-        theory = {name: one for name, one in columns.items() if name.startswith("theory at ")}
-        uniform = {name: np.clip(one, 1e-9, 1 - 1e-9) for name, one in columns.items() if name not in theory}
+        theory = {name: col for name, col in columns.items() if name.startswith("theory at ")}
+        uniform = {name: np.clip(col, 1e-9, 1 - 1e-9) for name, col in columns.items() if name not in theory}
         peaks = np.log10([float(name.split()[2]) for name in theory])
         return cls(
             uniform,
@@ -106,10 +106,10 @@ class Posterior:
         random = np.random.default_rng(seed).standard_normal((peaks.size, len(self.error)))
         if not self.peaks.size:
             return random
-        known = error_correlation(self.peaks) + _NUGGET * np.eye(self.peaks.size)
-        share = np.linalg.solve(known, error_correlation(self.peaks, peaks))
-        left = 1.0 - np.einsum("ij,ij->j", share, error_correlation(self.peaks, peaks))
-        return np.asarray((self.error @ share).T + np.sqrt(np.maximum(left, 0.0))[:, None] * random)
+        correlation = error_correlation(self.peaks) + _NUGGET * np.eye(self.peaks.size)
+        share = np.linalg.solve(correlation, error_correlation(self.peaks, peaks))
+        variance = 1.0 - np.einsum("ij,ij->j", share, error_correlation(self.peaks, peaks))
+        return np.asarray((self.error @ share).T + np.sqrt(np.maximum(variance, 0.0))[:, None] * random)
 
 
 def columns_of(name: str, dimensions: int) -> list[str]:

@@ -99,14 +99,14 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
     """
     try:
         steps = [step for table in read_tables(read_any_text(file)) for step in _steps(table)]
-        pressed = [one for one in steps if one.pressure.max() > _LOWEST_PRESSURE]
-        if not pressed:
+        in_contact = [step for step in steps if step.pressure.max() > _LOWEST_PRESSURE]
+        if not in_contact:
             raise TextTableError(
                 "contact pressure is zero in every row, or below 1 mPa: the bodies do not touch"
             )
-        left = len(steps) - len(pressed)
-        told = f"; {left} load step{'s' * (left > 1)} without contact pressure left out" if left else ""
-        return tuple(_place(replace(one, remark=one.remark + told), contact) for one in pressed)
+        count = len(steps) - len(in_contact)
+        remark = f"; {count} load step{'s' * (count > 1)} without contact pressure left out" if count else ""
+        return tuple(_place(replace(step, remark=step.remark + remark), contact) for step in in_contact)
     except (TableError, TextTableError, QuantityError) as error:
         raise InputError.at("", str(error), file=file) from None
 
@@ -121,9 +121,9 @@ class _Step:
     fluid_pressure: float | None
     remark: str
 
-    def rows(self, kept: IntArray | BoolArray) -> _Step:
-        places = {role: (name, values[kept]) for role, (name, values) in self.places.items()}
-        return replace(self, places=places, pressure=self.pressure[kept])
+    def rows(self, selection: IntArray | BoolArray) -> _Step:
+        places = {role: (name, values[selection]) for role, (name, values) in self.places.items()}
+        return replace(self, places=places, pressure=self.pressure[selection])
 
 
 # --- columns ------------------------------------------------------------------------------------------------
@@ -138,31 +138,31 @@ def _steps(table: TextTable) -> Iterator[_Step]:
         )
     roles = _roles(table)
     numbers = [place for role in (*_LENGTHS, "pressure", "fluid_pressure") for place in roles.get(role, ())]
-    lost = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
-    if lost.size:
-        line, row = table.lines[lost[0]], table.rows[lost[0]]
+    bad_rows = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
+    if bad_rows.size:
+        line, row = table.lines[bad_rows[0]], table.rows[bad_rows[0]]
         raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(numbers)} finite numbers')
-    given = table.header
+    header = table.header
     table = drop_extremes(_with_units(table, roles))
-    units = [name_and_unit(name)[1] for name, own in zip(table.header, given, strict=True) if name != own]
-    assumed = table.header[roles["pressure"][0]] != given[roles["pressure"][0]]
-    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if assumed else ""
+    units = [name_and_unit(name)[1] for name, old in zip(table.header, header, strict=True) if name != old]
+    is_assumed = table.header[roles["pressure"][0]] != header[roles["pressure"][0]]
+    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if is_assumed else ""
     _check_angles(table, roles)
     places = {
-        role: (given[roles[role][0]], column(table, roles[role][0], "length"))
+        role: (header[roles[role][0]], column(table, roles[role][0], "length"))
         for role in _LENGTHS
         if role in roles
     }
     loads = column(table, roles["fluid_pressure"][0], "pressure") if "fluid_pressure" in roles else None
     if loads is not None and not (loads > 0).all():
-        held = format_quantity("fluid pressure", float(loads.min()))
-        raise TextTableError(f"fluid pressure must be positive, it holds {held}")
+        lowest = format_quantity("fluid pressure", float(loads.min()))
+        raise TextTableError(f"fluid pressure must be positive, it holds {lowest}")
     for place in roles["pressure"]:
         pressure = column(table, place, "pressure")
         _check_pressure(table, pressure)
         for rows in _groups(table, roles, loads, next(iter(places.values()))[1]):
             load = _load_in(table.header[place]) if loads is None else float(loads[rows[0]])
-            yield _Step(places, pressure, given[place], load, remark).rows(rows)
+            yield _Step(places, pressure, header[place], load, remark).rows(rows)
 
 
 def _roles(table: TextTable) -> dict[str, list[int]]:
@@ -170,34 +170,34 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     example = 'such as "x [mm], contact_pressure [MPa]"'
     if not table.header:
         columns = table.values.shape[1]
-        above = f" (the line above them is {table.lines_above[-1][1][:60]!r})" if table.lines_above else ""
+        context = f" (the line above them is {table.lines_above[-1][1][:60]!r})" if table.lines_above else ""
         raise TextTableError(
-            f"has no header over its {columns} columns{above}; name each with its unit, {example}"
+            f"has no header over its {columns} columns{context}; name each with its unit, {example}"
         )
     words = [name_and_unit(name)[0] for name in table.header]
-    found: dict[str, list[int]] = {}
+    roles: dict[str, list[int]] = {}
     for place, word in enumerate(words):
         role = next((role for role, pattern in _ROLES.items() if re.match(pattern, word)), None)
-        if role is not None and (role in ("pressure", "step") or role not in found):
-            found.setdefault(role, []).append(place)
+        if role is not None and (role in ("pressure", "step") or role not in roles):
+            roles.setdefault(role, []).append(place)
     numeric = np.flatnonzero(~np.isnan(table.values).all(axis=0)).tolist()
-    if len(numeric) == 2 == len(table.header) and not ("pressure" in found and found.keys() & {*_LENGTHS}):
+    if len(numeric) == 2 == len(table.header) and not ("pressure" in roles and roles.keys() & {*_LENGTHS}):
         return {"arc": [0], "pressure": [1]}
-    listed = ", ".join(table.header)
-    if "pressure" not in found:
-        raise TextTableError(f"has no column contact_pressure; its columns are {listed}")
-    if not found.keys() & {*_LENGTHS}:
-        raise TextTableError(f"has no column x (arc length) or r (radius); its columns are {listed}")
+    names = ", ".join(table.header)
+    if "pressure" not in roles:
+        raise TextTableError(f"has no column contact_pressure; its columns are {names}")
+    if not roles.keys() & {*_LENGTHS}:
+        raise TextTableError(f"has no column x (arc length) or r (radius); its columns are {names}")
     # where the program's own name stands, other pressures are others
-    own = [place for place in found["pressure"] if _WITHOUT_UNITS.match(words[place])]
-    return found | {"pressure": own or found["pressure"]}
+    named = [place for place in roles["pressure"] if _WITHOUT_UNITS.match(words[place])]
+    return roles | {"pressure": named or roles["pressure"]}
 
 
 def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
     """The table with units of columns that have none where their program says or cannot say them."""
     header = list(table.header)
     lengths = [place for role in _LENGTHS for place in roles.get(role, ())]
-    told = next((found[1] for _, line in table.lines_above if (found := _LENGTH_UNIT.search(line))), None)
+    unit = next((match[1] for _, line in table.lines_above if (match := _LENGTH_UNIT.search(line))), None)
     pressures = roles["pressure"]
     bare = [place for place in (*lengths, *pressures) if not name_and_unit(header[place])[1]]
     words = [name_and_unit(name)[0] for name in header]
@@ -205,12 +205,12 @@ def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
     consistent = unknown and len(bare) == len(lengths) + len(pressures)
     if consistent:
         in_pascal = float(np.nanmax(np.abs(table.values[:, pressures]))) > _IN_PASCAL
-        told = told or ("m" if in_pascal else "mm")
+        unit = unit or ("m" if in_pascal else "mm")
         for place in pressures:
             header[place] += " [Pa]" if in_pascal else " [MPa]"
     for place in lengths:
-        if place in bare and told is not None:
-            header[place] += f" [{told}]"
+        if place in bare and unit is not None:
+            header[place] += f" [{unit}]"
     return replace(table, header=tuple(header))
 
 
@@ -227,9 +227,9 @@ _MAP = (
 
 
 def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
-    inside = (pressure >= 0) & (pressure <= _HIGHEST_PRESSURE)
-    if not inside.all():
-        row = int(np.argmin(inside))
+    is_inside = (pressure >= 0) & (pressure <= _HIGHEST_PRESSURE)
+    if not is_inside.all():
+        row = int(np.argmin(is_inside))
         raise TextTableError(
             f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {table.lines[row]} has "
             f"{format_quantity('contact pressure', float(pressure[row]))}: is the unit right?"
@@ -238,10 +238,10 @@ def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
 
 def _load_in(name: str) -> float | None:
     """Fluid pressure in the name of a column, "p at 20 bar [MPa]" [Pa]."""
-    found = _LOAD.search(re.sub(r"[\[(][^\])]*[\])]\s*$", "", name))
-    spelled = {"kpa": "kPa", "mpa": "MPa", "pa": "Pa"}
-    unit = spelled.get(found[2].lower(), found[2].lower()) if found else ""
-    return parse_quantity(f"{found[1].replace(',', '.')} {unit}", "pressure") if found else None
+    match = _LOAD.search(re.sub(r"[\[(][^\])]*[\])]\s*$", "", name))
+    spelling = {"kpa": "kPa", "mpa": "MPa", "pa": "Pa"}
+    unit = spelling.get(match[2].lower(), match[2].lower()) if match else ""
+    return parse_quantity(f"{match[1].replace(',', '.')} {unit}", "pressure") if match else None
 
 
 def _groups(
@@ -251,17 +251,17 @@ def _groups(
     keys = [table.texts(place) for place in roles.get("step", ())]
     if loads is not None:
         keys.append([f"{load!r}" for load in loads.tolist()])
-    told = list(zip(*keys, strict=True)) if keys else [()] * len(x)
-    found = list[IntArray]()
-    for one in dict.fromkeys(told):
-        found += _begun_anew(x, np.array([n for n, own in enumerate(told) if own == one]))
-    return sorted(found, key=lambda rows: int(rows[0]))
+    labels = list(zip(*keys, strict=True)) if keys else [()] * len(x)
+    groups = list[IntArray]()
+    for label in dict.fromkeys(labels):
+        groups += _begun_anew(x, np.array([n for n, text in enumerate(labels) if text == label]))
+    return sorted(groups, key=lambda rows: int(rows[0]))
 
 
 def _begun_anew(x: FloatArray, rows: IntArray) -> list[IntArray]:
     """Rows of each step where one begins again at the first x; all of them where they are in no order."""
     blocks = np.split(rows, np.flatnonzero(x[rows] <= x[rows[0]])[1:])
-    in_order = all(len(one) >= _FEWEST_ROWS and (np.diff(x[one]) > 0).all() for one in blocks)
+    in_order = all(len(block) >= _FEWEST_ROWS and (np.diff(x[block]) > 0).all() for block in blocks)
     return blocks if in_order else [rows]
 
 
@@ -272,30 +272,30 @@ def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
     """A load step on the seat, its points in order."""
     if len(step.pressure) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(step.pressure)}")
-    x, radius, understood = _locate(step, contact)
-    understood += step.remark
-    kept = np.isfinite(x)
-    pressure = step.pressure[kept]
-    x, pressure, radius = _merge_places(x[kept], pressure, None if radius is None else radius[kept])
+    x, radius, remark = _locate(step, contact)
+    remark += step.remark
+    finite = np.isfinite(x)
+    pressure = step.pressure[finite]
+    x, pressure, radius = _merge_places(x[finite], pressure, None if radius is None else radius[finite])
     if len(x) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
-    pressed = x[pressure > _PRESSED_SHARE * pressure.max()]
-    low, high = float(pressed[0]), float(pressed[-1])
+    pressed_x = x[pressure > _PRESSED_SHARE * pressure.max()]
+    low, high = float(pressed_x[0]), float(pressed_x[-1])
     touch, length = contact.initial_contact_radius, contact.seat_face.length
     if high - low > 1.05 * length or x[-1] - x[0] < _NARROWEST * touch:
         end = max(low, high, key=abs) if high - low > length else x[-1] - x[0]
-        doing = "reaches" if high - low > length else "goes over"
+        verb = "reaches" if high - low > length else "goes over"
         raise TextTableError(
-            f"x {doing} {_mm(end)}, the contact circle has a radius of {_mm(touch)}: is the unit right? ({understood})"
+            f"x {verb} {_mm(end)}, the contact circle has a radius of {_mm(touch)}: is the unit right? ({remark})"
         )
     ends = contact.reach
     if low < ends[0] - _TOLERANCE * length or high > ends[1] + _TOLERANCE * length:
         raise TextTableError(
             f"the contact pressure goes from x = {_mm(low)} to {_mm(high)}, the faces of the case stand in front of "
             f"each other from {_mm(ends[0])} to {_mm(ends[1])}, where x = 0 is first touch at r = {_mm(touch)} "
-            f"({understood}); name a radius r, and check the unit and the case"
+            f"({remark}); name a radius r, and check the unit and the case"
         )
-    return ImportedProfile(x, pressure, radius, step.fluid_pressure, understood)
+    return ImportedProfile(x, pressure, radius, step.fluid_pressure, remark)
 
 
 def _locate(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArray | None, str]:
@@ -307,74 +307,74 @@ def _locate(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArr
         if not (r > 0).all():
             raise TextTableError(f'radius must be positive; {_mm(float(r.min()))} in column "{name}" is not')
         if arc is not None:
-            understood = f'"{arc[0]}" is the arc length of the points, "{name}" their radius, {tail}'
-            return _arc_with_radius(arc[1], r, step.pressure, contact, understood), r, understood
-        understood = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
-        return _on_seat(r, step.pressure, contact, understood), None, understood
-    found = [places[role] for role in ("x", "y", "z") if role in places]
-    if len(found) > 1:
-        return _of_points(found, step, contact, tail)
-    name, x = places["arc"] if "arc" in places else found[0]
-    understood = f'"{name}" is the arc length of the points, {tail}'
-    x, told = _from_touch(x, step.pressure, understood)
-    return x, None, told
+            remark = f'"{arc[0]}" is the arc length of the points, "{name}" their radius, {tail}'
+            return _arc_with_radius(arc[1], r, step.pressure, contact, remark), r, remark
+        remark = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
+        return _on_seat(r, step.pressure, contact, remark), None, remark
+    points = [places[role] for role in ("x", "y", "z") if role in places]
+    if len(points) > 1:
+        return _of_points(points, step, contact, tail)
+    name, x = places["arc"] if "arc" in places else points[0]
+    remark = f'"{name}" is the arc length of the points, {tail}'
+    x, remark = _from_touch(x, step.pressure, remark)
+    return x, None, remark
 
 
 def _arc_with_radius(
-    x: FloatArray, r: FloatArray, pressure: FloatArray, contact: ContactGeometry, understood: str
+    x: FloatArray, r: FloatArray, pressure: FloatArray, contact: ContactGeometry, remark: str
 ) -> FloatArray:
     """x on the seat, from an arc length and the radius that belongs to it."""
-    pressed = pressure > _PRESSED_SHARE * pressure.max()
-    if np.ptp(r[pressed]) > 0.0 and _x_of_radius(contact, r[:1]) is not None:
-        by_radius = _on_seat(r, pressure, contact, understood)
-        offset = (by_radius - x)[pressed]
-        width = float(np.ptp(x[pressed]))
+    mask = pressure > _PRESSED_SHARE * pressure.max()
+    if np.ptp(r[mask]) > 0.0 and _x_of_radius(contact, r[:1]) is not None:
+        by_radius = _on_seat(r, pressure, contact, remark)
+        offset = (by_radius - x)[mask]
+        width = float(np.ptp(x[mask]))
         if np.ptp(offset) > _TOLERANCE * width + _NARROWEST * contact.initial_contact_radius:
             raise TextTableError(
                 f"r contradicts the case: along the {contact.seat.label} it takes "
-                f"{_mm(float(np.ptp(by_radius[pressed])))} from its first radius with pressure to its last, x goes "
-                f"over {_mm(width)} ({understood})"
+                f"{_mm(float(np.ptp(by_radius[mask])))} from its first radius with pressure to its last, x goes "
+                f"over {_mm(width)} ({remark})"
             )
         return x if _touches_at_zero(x, pressure) else x + float(np.median(offset))
-    x, _ = _from_touch(x, pressure, understood)
-    own = contact.radius(x[pressed])
+    x, _ = _from_touch(x, pressure, remark)
+    radii = contact.radius(x[mask])
     # one radius for all points will do
-    if abs(r[pressed].mean() / own.mean() - 1.0) > _SAME_RADIUS:
+    if abs(r[mask].mean() / radii.mean() - 1.0) > _SAME_RADIUS:
         raise TextTableError(
-            f"r contradicts the case: it goes from {_mm(float(r[pressed].min()))} to {_mm(float(r[pressed].max()))}, "
-            f"the {contact.seat.label} at these x from {_mm(float(own.min()))} to {_mm(float(own.max()))} "
-            f"({understood})"
+            f"r contradicts the case: it goes from {_mm(float(r[mask].min()))} to {_mm(float(r[mask].max()))}, "
+            f"the {contact.seat.label} at these x from {_mm(float(radii.min()))} to {_mm(float(radii.max()))} "
+            f"({remark})"
         )
     return x
 
 
 def _of_points(
-    found: Sequence[tuple[str, FloatArray]], step: _Step, contact: ContactGeometry, tail: str
+    points: Sequence[tuple[str, FloatArray]], step: _Step, contact: ContactGeometry, tail: str
 ) -> tuple[FloatArray, None, str]:
     """From the coordinates of points along a meridian, whichever way its axis lies."""
-    largest = max(float(np.ptp(values)) for _, values in found)
-    moving = [one for one in found if np.ptp(one[1]) > 1e-6 * largest]
-    names = " and ".join(f'"{name}"' for name, _ in found)
-    if len(moving) < 2:
-        name, x = (moving or found)[0]
+    largest = max(float(np.ptp(values)) for _, values in points)
+    coords = [point for point in points if np.ptp(point[1]) > 1e-6 * largest]
+    names = " and ".join(f'"{name}"' for name, _ in points)
+    if len(coords) < 2:
+        name, x = (coords or points)[0]
         if "arc" in step.places or x.min() < 0.0 or not _fits(x, contact):
             arc_name, x = step.places.get("arc", (name, x))
-            x, told = _from_touch(x, step.pressure, f'"{arc_name}" is the arc length of the points, {tail}')
-            return x, None, told
-        understood = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
-        return _on_seat(x, step.pressure, contact, understood), None, understood
-    pressed = step.pressure > _PRESSED_SHARE * step.pressure.max()
-    if len(moving) == 2 and not _on_one_curve(moving[0][1][pressed], moving[1][1][pressed]):
+            x, remark = _from_touch(x, step.pressure, f'"{arc_name}" is the arc length of the points, {tail}')
+            return x, None, remark
+        remark = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
+        return _on_seat(x, step.pressure, contact, remark), None, remark
+    mask = step.pressure > _PRESSED_SHARE * step.pressure.max()
+    if len(coords) == 2 and not _on_one_curve(coords[0][1][mask], coords[1][1][mask]):
         raise TextTableError(f"{names}: {_MAP}")
     best, over_a_surface = None, False
-    for axis, r, turned in _meridians([values for _, values in moving]):
-        distance = _distance(r[pressed], moving[axis][1][pressed], step.pressure[pressed], contact)
+    for axis, r, turn in _meridians([values for _, values in coords]):
+        distance = _distance(r[mask], coords[axis][1][mask], step.pressure[mask], contact)
         if distance < _ON_FACE:
-            over_a_surface |= turned > _TOLERANCE
-            if turned <= _TOLERANCE and (best is None or distance < best[0]):
+            over_a_surface |= turn > _TOLERANCE
+            if turn <= _TOLERANCE and (best is None or distance < best[0]):
                 best = distance, axis, r
     if best is None:
-        spans = ", ".join(f"{name} from {_mm(float(v.min()))} to {_mm(float(v.max()))}" for name, v in found)
+        spans = ", ".join(f"{name} from {_mm(float(v.min()))} to {_mm(float(v.max()))}" for name, v in points)
         face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
         raise TextTableError(
             f"{names}: {_MAP}"
@@ -384,21 +384,21 @@ def _of_points(
             "or name the arc length s"
         )
     _, axis, r = best
-    others = " and ".join(f'"{name}"' for n, (name, _) in enumerate(moving) if n != axis)
-    gives = "give" if len(moving) > 2 else "gives"
-    understood = (
+    others = " and ".join(f'"{name}"' for n, (name, _) in enumerate(coords) if n != axis)
+    gives = "give" if len(coords) > 2 else "gives"
+    remark = (
         f"{others} {gives} the radius of points on the {contact.seat.label}, "
-        f'"{moving[axis][0]}" lies along the axis, {tail}'
+        f'"{coords[axis][0]}" lies along the axis, {tail}'
     )
-    return _on_seat(r, step.pressure, contact, understood), None, understood
+    return _on_seat(r, step.pressure, contact, remark), None, remark
 
 
-def _meridians(moving: Sequence[FloatArray]) -> Iterator[tuple[int, FloatArray, float]]:
+def _meridians(coords: Sequence[FloatArray]) -> Iterator[tuple[int, FloatArray, float]]:
     """Each coordinate as the one along the axis: its number, the radius, and the turn around the axis [rad]."""
-    for axis in reversed(range(len(moving))):
-        across = [one for n, one in enumerate(moving) if n != axis]
-        r = np.abs(across[0]) if len(across) == 1 else np.hypot(*across)
-        angle = np.unwrap(np.arctan2(*across[:2])) if len(across) == 2 else np.zeros(1)
+    for axis in reversed(range(len(coords))):
+        others = [coord for n, coord in enumerate(coords) if n != axis]
+        r = np.abs(others[0]) if len(others) == 1 else np.hypot(*others)
+        angle = np.unwrap(np.arctan2(*others[:2])) if len(others) == 2 else np.zeros(1)
         yield axis, r, float(np.ptp(angle))
 
 
@@ -407,12 +407,12 @@ def _on_one_curve(a: FloatArray, b: FloatArray) -> bool:
     if len(a) < _FEWEST_ROWS:
         return True
     points = np.stack([a - a.mean(), b - b.mean()])
-    along, beside = np.linalg.svd(points, full_matrices=False)[0].T @ points
-    if not np.ptp(along) > 0.0:
+    major, minor = np.linalg.svd(points, full_matrices=False)[0].T @ points
+    if not np.ptp(major) > 0.0:
         return False
-    u = along / np.ptp(along)
-    off = beside - np.polynomial.Polynomial.fit(u, beside, 2)(u)
-    return bool(np.ptp(off) < _ON_CURVE * np.ptp(along))
+    u = major / np.ptp(major)
+    deviation = minor - np.polynomial.Polynomial.fit(u, minor, 2)(u)
+    return bool(np.ptp(deviation) < _ON_CURVE * np.ptp(major))
 
 
 def _distance(r: FloatArray, z: FloatArray, pressure: FloatArray, contact: ContactGeometry) -> float:
@@ -421,19 +421,19 @@ def _distance(r: FloatArray, z: FloatArray, pressure: FloatArray, contact: Conta
     if x is None or not np.isfinite(x).all():
         return np.inf
     height, extent = contact.height(x), float(np.hypot(np.ptp(r), np.ptp(z)))
-    off = [one - np.average(one, weights=pressure) for one in (z - height, z + height)]
-    return min(float(np.abs(one).max()) for one in off) / extent
+    offsets = [side - np.average(side, weights=pressure) for side in (z - height, z + height)]
+    return min(float(np.abs(offset).max()) for offset in offsets) / extent
 
 
 def _x_of_radius(contact: ContactGeometry, r: FloatArray) -> FloatArray | None:
     """x on the seat's face, NaN beside it; None where a radius does not tell the place."""
     face = contact.seat_face
     s = np.linspace(0.0, face.length, 20_001)
-    along = face.point(s)[0]
-    if not (np.diff(along) > 1e-3 * (s[1] - s[0])).all():
+    radii = face.point(s)[0]
+    if not (np.diff(radii) > 1e-3 * (s[1] - s[0])).all():
         return None
-    origin = float(np.interp(contact.initial_contact_radius, along, s))
-    return np.interp(r, along, s, left=np.nan, right=np.nan) - origin
+    origin = float(np.interp(contact.initial_contact_radius, radii, s))
+    return np.interp(r, radii, s, left=np.nan, right=np.nan) - origin
 
 
 def _fits(r: FloatArray, contact: ContactGeometry) -> bool:
@@ -441,20 +441,20 @@ def _fits(r: FloatArray, contact: ContactGeometry) -> bool:
     return x is not None and bool(np.isfinite(x).any())
 
 
-def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, understood: str) -> FloatArray:
+def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, remark: str) -> FloatArray:
     """x of radii on the seat; points beside its face may carry nothing."""
     x = _x_of_radius(contact, r)
     if x is None:
         raise TextTableError(
-            f"on this {contact.seat.label} a radius does not tell the place ({understood}); give arc lengths"
+            f"on this {contact.seat.label} a radius does not tell the place ({remark}); give arc lengths"
         )
-    pressed = pressure > _PRESSED_SHARE * pressure.max()
-    if np.isnan(x[pressed]).any():
+    mask = pressure > _PRESSED_SHARE * pressure.max()
+    if np.isnan(x[mask]).any():
         face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
         raise TextTableError(
-            f"r contradicts the case: the contact pressure goes from r = {_mm(float(r[pressed].min()))} to "
-            f"{_mm(float(r[pressed].max()))}, the face of the {contact.seat.label} from {_mm(float(face.min()))} to "
-            f"{_mm(float(face.max()))}, first touch is at {_mm(contact.initial_contact_radius)} ({understood}); "
+            f"r contradicts the case: the contact pressure goes from r = {_mm(float(r[mask].min()))} to "
+            f"{_mm(float(r[mask].max()))}, the face of the {contact.seat.label} from {_mm(float(face.min()))} to "
+            f"{_mm(float(face.max()))}, first touch is at {_mm(contact.initial_contact_radius)} ({remark}); "
             "check unit and case"
         )
     peak = int(np.argmax(pressure))
@@ -462,7 +462,7 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
     if abs(r[peak] / touch - 1.0) > _TOLERANCE and not gap[0] < 1e-3 * touch:
         raise TextTableError(
             f"r contradicts the case: the contact pressure is highest at r = {_mm(float(r[peak]))}, "
-            f"{contact.closure.label} and {contact.seat.label} of the case touch first at {_mm(touch)} ({understood}); "
+            f"{contact.closure.label} and {contact.seat.label} of the case touch first at {_mm(touch)} ({remark}); "
             "check unit and case"
         )
     return x
@@ -470,24 +470,24 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
 
 def _touches_at_zero(x: FloatArray, pressure: FloatArray) -> bool:
     """Whether x = 0 lies between places that are pressed."""
-    pressed = x[pressure > _PRESSED_SHARE * pressure.max()]
-    return bool(pressed.min() <= 0.0 <= pressed.max())
+    pressed_x = x[pressure > _PRESSED_SHARE * pressure.max()]
+    return bool(pressed_x.min() <= 0.0 <= pressed_x.max())
 
 
-def _from_touch(x: FloatArray, pressure: FloatArray, understood: str) -> tuple[FloatArray, str]:
+def _from_touch(x: FloatArray, pressure: FloatArray, remark: str) -> tuple[FloatArray, str]:
     """Arc length from first touch; of a path that begins at zero, with its centre of pressure there."""
     if _touches_at_zero(x, pressure):
-        return x, understood
+        return x, remark
     if abs(x.min()) > 1e-6 * np.ptp(x):
         peak = float(x[np.argmax(pressure)])
         raise TextTableError(
             f"the contact pressure is highest at x = {_mm(peak)}, and zero at x = 0; an arc length x is zero at first "
-            f"touch, or where its path begins ({understood}). Name a radius r"
+            f"touch, or where its path begins ({remark}). Name a radius r"
         )
     order = np.argsort(x, kind="stable")
-    whole, first = (float(np.trapezoid(one[order], x[order])) for one in (pressure, pressure * x))
-    centre = first / whole
-    return x - centre, f"{understood}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
+    area, moment = (float(np.trapezoid(values[order], x[order])) for values in (pressure, pressure * x))
+    centre = moment / area
+    return x - centre, f"{remark}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
 
 
 def _merge_places(
@@ -499,19 +499,19 @@ def _merge_places(
     begins = np.diff(x, prepend=-np.inf) > 1e-9 * np.ptp(x)
     if begins.all():
         return x, pressure, None if radius is None else radius[order]
-    first = np.flatnonzero(begins)
-    counts = np.diff(first, append=len(x))
-    lowest, highest = np.minimum.reduceat(pressure, first), np.maximum.reduceat(pressure, first)
+    starts = np.flatnonzero(begins)
+    counts = np.diff(starts, append=len(x))
+    lowest, highest = np.minimum.reduceat(pressure, starts), np.maximum.reduceat(pressure, starts)
     worst = int(np.argmax(highest - lowest))
     if highest[worst] - lowest[worst] > _SAME_PRESSURE * pressure.max():
         raise TextTableError(
-            f"at x = {_mm(float(x[first[worst]]))} the contact pressure is from "
+            f"at x = {_mm(float(x[starts[worst]]))} the contact pressure is from "
             f"{format_quantity('contact pressure', float(lowest[worst]))} to "
             f"{format_quantity('contact pressure', float(highest[worst]))}: several load steps need a column that "
             f"tells them apart, such as fluid_pressure [bar]; otherwise {_MAP}"
         )
-    mean = np.add.reduceat(pressure, first) / counts
-    return x[first], mean, None if radius is None else radius[order][first]
+    mean = np.add.reduceat(pressure, starts) / counts
+    return x[starts], mean, None if radius is None else radius[order][starts]
 
 
 def _mm(length: float) -> str:

@@ -51,9 +51,9 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     """
     surface, flow = problem.surface, problem.flow
     if surface is None or flow is None:
-        missing = [name for name, one in (("roughness", surface), ("fluid", flow)) if one is None]
+        names = [name for name, value in (("roughness", surface), ("fluid", flow)) if value is None]
         raise InputError(
-            *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in missing),
+            *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in names),
             file=problem.file,
         )
     if problem.loads.preparation:
@@ -72,35 +72,35 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     rough = LeakModel(surface, flow, partial(_conductivity, peaks))
     fluid_pressures = _fluid_pressures(problem, profiles)
     _refuse_far_too_weak(problem, peaks, fluid_pressures)
-    given = [
+    given_loads = [
         LoadResult(fluid_pressure, 0.0, GivenContact(_profile(problem.contact, profile)), rough)  # type: ignore[arg-type]
-        for profile, loads in zip(profiles, fluid_pressures, strict=True)
-        for fluid_pressure in loads
+        for profile, pressures in zip(profiles, fluid_pressures, strict=True)
+        for fluid_pressure in pressures
     ]
-    made = case_loads(problem, given)
+    loads = case_loads(problem, given_loads)
     for scenario in with_own_contacts(problem):
         # the force is not known, and the contact the same for all
-        others = case_loads(scenario.problem, scenario.on_contacts(given))
-        made = [load.with_scenarios({scenario.name: other}) for load, other in zip(made, others, strict=True)]
-    return [load.with_values(validity=profile_validity(problem, load)) for load in made]
+        others = case_loads(scenario.problem, scenario.on_contacts(given_loads))
+        loads = [load.with_scenarios({scenario.name: alt}) for load, alt in zip(loads, others, strict=True)]
+    return [load.with_values(validity=profile_validity(problem, load)) for load in loads]
 
 
 def _fluid_pressures(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[Sequence[float]]:
     """Fluid pressures of each profile: its own, that of the load of the same number, or all of the case [Pa]."""
     of_case = list(dict.fromkeys(problem.loads.fluid_pressure))
-    without = sum(one.fluid_pressure is None for one in profiles)
-    if without == 1 == len(profiles):
+    count = sum(profile.fluid_pressure is None for profile in profiles)
+    if count == 1 == len(profiles):
         return [of_case]
-    if without == len(profiles) == len(of_case):
+    if count == len(profiles) == len(of_case):
         return [[pressure] for pressure in of_case]
-    if without:
+    if count:
         raise InputError.at(
             "load.fluid_pressure",
             f"the file holds {len(profiles)} load steps and does not say their fluid pressures, the case has "
             f"{len(of_case)}; give as many, or add a column fluid_pressure [bar] to the file",
             file=problem.file,
         )
-    return [[one.fluid_pressure] for one in profiles if one.fluid_pressure]
+    return [[profile.fluid_pressure] for profile in profiles if profile.fluid_pressure]
 
 
 def _refuse_far_too_weak(
@@ -144,9 +144,9 @@ def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProf
     parts = [rows for rows in np.split(np.arange(len(x)), middles) if len(rows) > 1]
     lands = []
     for number, rows in enumerate(parts):
-        own = x[rows]
-        steps = np.diff(own, prepend=own[0], append=own[-1])
+        land_x = x[rows]
+        steps = np.diff(land_x, prepend=land_x[0], append=land_x[-1])
         outer = ends[0] if number == 0 else None, ends[1] if number == len(parts) - 1 else None
         weight, gap = 0.5 * (steps[1:] + steps[:-1]), np.full(len(rows), math.nan)
-        lands.append(PressureProfile(own, radius[rows], profile.pressure[rows], gap, weight, outer))
+        lands.append(PressureProfile(land_x, radius[rows], profile.pressure[rows], gap, weight, outer))
     return join_lands(lands)

@@ -85,15 +85,15 @@ class Polynomials:
         count : int
             How many are wanted, at most n.
         """
-        design, covariance, chosen = self(candidates), np.diag(self.prior**2), list[int]()
+        design, covariance, numbers = self(candidates), np.diag(self.prior**2), list[int]()
         for _ in range(count):
             change = design @ covariance
-            told = (change**2).sum(axis=1) / (1.0 + (change * design).sum(axis=1))
-            told[chosen] = -1.0
-            chosen.append(int(told.argmax()))
-            own = change[chosen[-1]]
-            covariance -= np.outer(own, own) / (1.0 + design[chosen[-1]] @ own)
-        return np.array(chosen, dtype=np.intp)
+            gains = (change**2).sum(axis=1) / (1.0 + (change * design).sum(axis=1))
+            gains[numbers] = -1.0
+            numbers.append(int(gains.argmax()))
+            row = change[numbers[-1]]
+            covariance -= np.outer(row, row) / (1.0 + design[numbers[-1]] @ row)
+        return np.array(numbers, dtype=np.intp)
 
 
 @dataclass(frozen=True)
@@ -222,21 +222,21 @@ def bent_towards_sealing(
         ln Q of the runs.
     population : ndarray, shape (n, d)
     """
-    found = surface(population)
+    ln_rates = surface(population)
     poor = surface.error > _ERROR_OF_BENT * np.sqrt(surface.variance)
     if not np.any(poor):
-        return found
+        return ln_rates
     # not by the standard deviation, most of which may be that of one sample next to sealing
     bound = logs.max(axis=0) + 0.5 * np.subtract(*np.quantile(logs, (0.84, 0.16), axis=0))
-    bent = fit_with_prior(Polynomials.of(population, 3), runs, -np.log(bound - logs))
-    return np.where(poor, bound - np.exp(np.minimum(-bent(population), _LEAST_LOG)), found)
+    cubic = fit_with_prior(Polynomials.of(population, 3), runs, -np.log(bound - logs))
+    return np.where(poor, bound - np.exp(np.minimum(-cubic(population), _LEAST_LOG)), ln_rates)
 
 
-def largest_difference(found: FloatArray, truth: FloatArray, of_case: FloatArray) -> float:
+def largest_difference(estimate: FloatArray, truth: FloatArray, of_case: FloatArray) -> float:
     """Relative difference of samples, shape (samples, columns), whose case leaks so much in each column."""
-    least = np.maximum(_NO_LEAK, _TRACE * np.where(np.isfinite(of_case), of_case, 0.0))
+    floor = np.maximum(_NO_LEAK, _TRACE * np.where(np.isfinite(of_case), of_case, 0.0))
     with np.errstate(invalid="ignore"):
-        differ = np.abs((found + least) / (truth + least) - 1)
+        differ = np.abs((estimate + floor) / (truth + floor) - 1)
     # both blown open is no difference; a path that did not converge says nothing
     return float(np.nan_to_num(differ, nan=0.0).max())
 
@@ -246,8 +246,8 @@ def allowed_difference(leak_rate: FloatArray, least: float, share: float) -> flo
 
     At each load the samples that leak count, also where it seals or opens others, or all at another load.
     """
-    leaking = [column[(column > 0) & np.isfinite(column)] for column in leak_rate.T]
-    widths = [np.diff(np.quantile(np.log(column), (0.05, 0.95))) for column in leaking if column.size]
+    columns = [column[(column > 0) & np.isfinite(column)] for column in leak_rate.T]
+    widths = [np.diff(np.quantile(np.log(column), (0.05, 0.95))) for column in columns if column.size]
     return max(least, share * float(np.max(widths, initial=0.0)))
 
 
@@ -256,8 +256,8 @@ def representative(log_line_load: FloatArray) -> IntArray:
     count = len(log_line_load)
     if count <= _LOADS:
         return np.arange(count)
-    even = np.linspace(0, count - 1, _LOADS).round().astype(int)
-    return np.unique([*np.argsort(log_line_load, kind="stable")[even], count - 1])
+    places = np.linspace(0, count - 1, _LOADS).round().astype(int)
+    return np.unique([*np.argsort(log_line_load, kind="stable")[places], count - 1])
 
 
 def at_all_loads(log_line_load: FloatArray, places: IntArray, ratios: FloatArray) -> FloatArray:
@@ -266,12 +266,12 @@ def at_all_loads(log_line_load: FloatArray, places: IntArray, ratios: FloatArray
 
     nodes, first = np.unique(log_line_load[places], return_index=True)
     nearest = np.argmin(np.abs(log_line_load[:, None] - log_line_load[places]), axis=1)
-    found = ratios[..., nearest]
+    all_ratios = ratios[..., nearest]
     smooth = np.all((ratios > 0) & np.isfinite(ratios), axis=-1)
     if len(first) > 1 and smooth.any():
-        between = PchipInterpolator(nodes, np.log(ratios[smooth][:, first]), axis=-1)
-        found[smooth] = np.exp(between(log_line_load))
-    return found
+        interpolator = PchipInterpolator(nodes, np.log(ratios[smooth][:, first]), axis=-1)
+        all_ratios[smooth] = np.exp(interpolator(log_line_load))
+    return all_ratios
 
 
 def samples_at_ends(leak_rate: FloatArray, confidence: float) -> IntArray:
@@ -282,11 +282,11 @@ def samples_at_ends(leak_rate: FloatArray, confidence: float) -> IntArray:
     leak_rate : ndarray, shape (samples, readings)
     confidence : float
     """
-    last, near = len(leak_rate) - 1, list[int]()
+    last, numbers = len(leak_rate) - 1, list[int]()
     for share, outer in ((0.5 - 0.5 * confidence, np.argmin), (0.5 + 0.5 * confidence, np.argmax)):
         order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0, method="lower"))])
-        near += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
-    return np.unique(near)
+        numbers += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
+    return np.unique(numbers)
 
 
 def variables(values: Mapping[str, FloatArray]) -> list[FloatArray]:
@@ -297,7 +297,7 @@ def variables(values: Mapping[str, FloatArray]) -> list[FloatArray]:
     values : mapping of ndarray
         Of each input, see `fem_seal.answers.uncertainty.LeakInterval`.
     """
-    return [np.log(one)[:, None] if one.ndim == 1 else one[:, :-1] for one in values.values()]
+    return [np.log(column)[:, None] if column.ndim == 1 else column[:, :-1] for column in values.values()]
 
 
 def _orthonormal(values: FloatArray) -> FloatArray:
@@ -313,8 +313,8 @@ def _orthonormal(values: FloatArray) -> FloatArray:
 def _exponents(inputs: int, degree: int) -> IntArray:
     """Degrees of all terms up to a total degree, the constant first."""
     terms = [
-        np.bincount(np.array(chosen, dtype=np.intp), minlength=inputs)
+        np.bincount(np.array(factors, dtype=np.intp), minlength=inputs)
         for total in range(degree + 1)
-        for chosen in combinations_with_replacement(range(inputs), total)
+        for factors in combinations_with_replacement(range(inputs), total)
     ]
     return np.array(terms, dtype=np.intp).reshape(len(terms), inputs)

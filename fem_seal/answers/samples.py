@@ -81,10 +81,10 @@ class UncertainScans:
 
     def values(self, uniform: FloatArray) -> FloatArray:
         """Weights from numbers between 0 and 1, by breaking a stick; shape (n, scans - 1) to (n, scans)."""
-        left = len(self.scans) - 1 - np.arange(self.dimensions)
-        rest = (1.0 - uniform) ** (1.0 / left)
-        before = np.cumprod(np.column_stack([np.ones(len(uniform)), rest]), axis=1)
-        return np.asarray(before * np.column_stack([1.0 - rest, np.ones(len(uniform))]), dtype=float)
+        counts = len(self.scans) - 1 - np.arange(self.dimensions)
+        shares = (1.0 - uniform) ** (1.0 / counts)
+        sticks = np.cumprod(np.column_stack([np.ones(len(uniform)), shares]), axis=1)
+        return np.asarray(sticks * np.column_stack([1.0 - shares, np.ones(len(uniform))]), dtype=float)
 
     def reported_values(self, values: FloatArray) -> FloatArray:
         """The weights, shape (n, scans)."""
@@ -92,8 +92,8 @@ class UncertainScans:
 
     def spectrum(self, weights: FloatArray) -> PowerSpectrum:
         """Mean spectrum with weights, shape (scans,); those of 1e-6 or less are left out."""
-        known = [(scan, weight) for scan, weight in zip(self.scans, weights, strict=True) if weight > 1e-6]
-        return reduce(add, (scan.scaled(float(np.sqrt(weight))) for scan, weight in known))
+        pairs = [(scan, weight) for scan, weight in zip(self.scans, weights, strict=True) if weight > 1e-6]
+        return reduce(add, (scan.scaled(float(np.sqrt(weight))) for scan, weight in pairs))
 
 
 AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
@@ -141,10 +141,10 @@ def drawn_values(inputs: Sequence[AnyInput], uniform: FloatArray) -> dict[str, F
     inputs : sequence
     uniform : ndarray, shape (n, dimensions of all)
     """
-    ends = np.cumsum([one.dimensions for one in inputs], dtype=int)
+    ends = np.cumsum([uncertain.dimensions for uncertain in inputs], dtype=int)
     return {
-        one.name: one.values(uniform[:, end - one.dimensions : end])
-        for one, end in zip(inputs, ends, strict=True)
+        uncertain.name: uncertain.values(uniform[:, end - uncertain.dimensions : end])
+        for uncertain, end in zip(inputs, ends, strict=True)
     }
 
 
@@ -192,21 +192,21 @@ def _reshape(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectru
     from leak import PowerSpectrum
 
     assert case.roughness is not None
-    given = case.roughness.parts[key]
-    assert isinstance(given, SelfAffine)
-    q_high = given.q_high * factors.get("q_high", 1.0)
-    q_high = max(q_high, given.q_rolloff, 1.001 * given.q_low)
+    spectrum = case.roughness.parts[key]
+    assert isinstance(spectrum, SelfAffine)
+    q_high = spectrum.q_high * factors.get("q_high", 1.0)
+    q_high = max(q_high, spectrum.q_rolloff, 1.001 * spectrum.q_low)
     return PowerSpectrum.self_affine(
-        rms_height=given.rms_height,
-        hurst=min(max(given.hurst * factors.get("hurst", 1.0), 0.01), 1.0),
-        q_low=given.q_low,
-        q_rolloff=min(max(given.q_rolloff * factors.get("q_rolloff", 1.0), given.q_low), q_high),
+        rms_height=spectrum.rms_height,
+        hurst=min(max(spectrum.hurst * factors.get("hurst", 1.0), 0.01), 1.0),
+        q_low=spectrum.q_low,
+        q_rolloff=min(max(spectrum.q_rolloff * factors.get("q_rolloff", 1.0), spectrum.q_low), q_high),
         q_high=q_high,
     )
 
 
 def sample_problem(
-    problem: SealProblem, case: Case, drawn: Sequence[tuple[AnyInput, FloatArray]]
+    problem: SealProblem, case: Case, values: Sequence[tuple[AnyInput, FloatArray]]
 ) -> SealProblem:
     """The problem of one sample.
 
@@ -216,20 +216,20 @@ def sample_problem(
         Of the seal as given.
     case : Case
         What its finishes and scans follow from.
-    drawn : sequence of (input, ndarray)
+    values : sequence of (input, ndarray)
         Uncertain inputs with their values; that of the viscosity is left out, to which the leak rate is proportional.
     """
     factors: dict[str, float] = {}
     shares: dict[str, float] = {}
     means: dict[str, PowerSpectrum] = {}
-    for uncertain, value in drawn:
+    for uncertain, value in values:
         if isinstance(uncertain, UncertainScans):
             means[uncertain.name] = uncertain.spectrum(value)
         elif isinstance(uncertain, UncertainFinish):
             shares[uncertain.name] = float(value[0])
         elif isinstance(uncertain, UncertainInput):
             factors[uncertain.name] = float(value[0])
-    for uncertain, value in drawn:
+    for uncertain, value in values:
         if isinstance(uncertain, UncertainHeight):
             assert case.roughness is not None  # of the checks
             key = uncertain.key
@@ -297,7 +297,7 @@ class Samples:
         cls,
         seal: SolvedSeal,
         settings: Uncertainty,
-        calculated: KnownRates | None = None,
+        known_rates: KnownRates | None = None,
     ) -> Samples:
         """The samples of a seal.
 
@@ -306,7 +306,7 @@ class Samples:
         seal : SolvedSeal
         settings : Uncertainty
             The table [uncertainty].
-        calculated : dict, optional
+        known_rates : dict, optional
             Of samples of the same inputs with the same seed, however many: they are the first of these.
         """
         of_parts = tuple(_inputs_of_part(part.case, settings) for part in seal.parts)
@@ -317,7 +317,7 @@ class Samples:
         else:
             columns = [name for each in inputs for name in columns_of(each.name, each.dimensions)]
             uniform = Posterior.read(settings.posterior).of_inputs(columns)
-        return cls(seal, of_parts, uniform, {} if calculated is None else calculated)
+        return cls(seal, of_parts, uniform, {} if known_rates is None else known_rates)
 
     @classmethod
     def of_nothing(cls, seal: SolvedSeal) -> Samples:
@@ -371,10 +371,10 @@ class Samples:
         parts = variables({x.name: x.reported_values(self.values[x.name]) for x in self.run_inputs})
         return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
 
-    def columns(self, wanted: AnyInput) -> list[int]:
+    def columns(self, source: AnyInput) -> list[int]:
         """Columns of `scores` that belong to an input."""
-        first = sum(each.dimensions for each in takewhile(lambda each: each is not wanted, self.run_inputs))
-        return list(range(first, first + wanted.dimensions))
+        first = sum(each.dimensions for each in takewhile(lambda each: each is not source, self.run_inputs))
+        return list(range(first, first + source.dimensions))
 
     def problems(self, number: int) -> tuple[SealProblem, ...]:
         """The problems of a sample, one for each part of the seal, with the viscosity of the case."""
@@ -416,24 +416,24 @@ class Samples:
             standards' tests where it is another one. NaN where a contact does not converge.
         """
         loads = range(len(self.seal.loads)) if loads is None else loads
-        whole = self.seal.problem.follows_path and (whole_paths or self.follow_paths)
-        new = [n for n in numbers if any((n, load, whole) not in self.known_rates for load in loads)]
-        at_once = 1 if whole else _AT_ONCE
+        on_paths = self.seal.problem.follows_path and (whole_paths or self.follow_paths)
+        fresh = [n for n in numbers if any((n, load, on_paths) not in self.known_rates for load in loads)]
+        at_once = 1 if on_paths else _AT_ONCE
         # the first one makes what all share
-        parts = [new[:1], *(new[first : first + at_once] for first in range(1, len(new), at_once))]
+        parts = [fresh[:1], *(fresh[first : first + at_once] for first in range(1, len(fresh), at_once))]
 
-        def evaluated(part: Sequence[int]) -> list[list[FloatArray] | ConvergenceError]:
-            return self._evaluate(part, loads, whole)
+        def evaluate(part: Sequence[int]) -> list[list[FloatArray] | ConvergenceError]:
+            return self._evaluate(part, loads, on_paths)
 
-        outcomes = [*map(evaluated, parts[:1]), *fork_map(evaluated, parts[1:])] if new else []
-        for number, outcome in zip(new, (each for part in outcomes for each in part), strict=True):
+        outcomes = [*map(evaluate, parts[:1]), *fork_map(evaluate, parts[1:])] if fresh else []
+        for number, outcome in zip(fresh, (each for part in outcomes for each in part), strict=True):
             for place, load in enumerate(loads):
                 rates = outcome if isinstance(outcome, ConvergenceError) else outcome[place]
-                self.known_rates[number, load, whole] = rates
-        found = [[self.known_rates[n, load, whole] for load in loads] for n in numbers]
+                self.known_rates[number, load, on_paths] = rates
+        table = [[self.known_rates[n, load, on_paths] for load in loads] for n in numbers]
         none = np.full(self.of_case.shape[0], np.nan)
-        rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in found]
-        return np.array(rows).reshape(len(found), len(loads), -1).swapaxes(1, 2)
+        rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in table]
+        return np.array(rows).reshape(len(table), len(loads), -1).swapaxes(1, 2)
 
     @property
     def may_miss_some(self) -> bool:
@@ -457,26 +457,26 @@ class Samples:
         rows = np.flatnonzero(~np.isnan(rates.reshape(len(rates), -1)).any(axis=1))
         if len(rows) < fewest * len(rates):
             why = next(each for each in self.known_rates.values() if isinstance(each, ConvergenceError))
-            few = f"{len(rates) - len(rows)} of {len(rates)} samples did not converge"
-            raise ConvergenceError(f"uncertainty: {few}, the first because {why}")
+            count = f"{len(rates) - len(rows)} of {len(rates)} samples did not converge"
+            raise ConvergenceError(f"uncertainty: {count}, the first because {why}")
         return rows
 
     def _evaluate(
-        self, numbers: Sequence[int], loads: Sequence[int], whole: bool
+        self, numbers: Sequence[int], loads: Sequence[int], on_paths: bool
     ) -> list[list[FloatArray] | ConvergenceError]:
         """Of each sample its leak rates at each load, or why there are none."""
         batch = Batch()
         sources = [
-            NeighbourSource(part.problem, part.model, part.seal_mesh, part.loads, tuple(loads), whole)
+            NeighbourSource(part.problem, part.model, part.seal_mesh, part.loads, tuple(loads), on_paths)
             for part in self.seal.parts
         ]
         problems = batch.map(numbers, self.problems)
-        found = evaluate_many(problems, dict.fromkeys(problems, sources), batch)
+        evaluations = evaluate_many(problems, dict.fromkeys(problems, sources), batch)
 
         def leak_rates(number: int) -> list[FloatArray]:
-            return list(map(_leak_rates, loads_of(found[number])))
+            return list(map(_leak_rates, loads_of(evaluations[number])))
 
-        rates = batch.map(found, leak_rates)
+        rates = batch.map(evaluations, leak_rates)
         for error in batch.failed.values():
             if not isinstance(error, ConvergenceError):
                 raise error
@@ -490,9 +490,9 @@ class Samples:
         share : float
             Of the samples that let less through.
         """
-        few = range(min(len(self.uniform), _OF_HEIGHTS))
-        heights = np.array([_rms_heights(self.problems(number)) for number in few])
-        ratio = (heights / _rms_heights(self.seal.problems)) ** 3 / self.viscosity[: len(few), None]
+        numbers = range(min(len(self.uniform), _OF_HEIGHTS))
+        heights = np.array([_rms_heights(self.problems(number)) for number in numbers])
+        ratio = (heights / _rms_heights(self.seal.problems)) ** 3 / self.viscosity[: len(numbers), None]
         return float(np.quantile(ratio, share, axis=0).max())
 
 
@@ -505,6 +505,6 @@ def _leak_rates(load: CaseLoad) -> FloatArray:
     """Leak rate of a load in each of the kinds of `Samples.leak_rates` [m^3/s]."""
     fluids = [load, *(other for name, other in load.scenarios.items() if name == TEST_GAS)]
     leaks = [
-        read.leak for fluid in fluids for read in (fluid, *(fluid.scenarios[name] for name in load.others))
+        state.leak for fluid in fluids for state in (fluid, *(fluid.scenarios[name] for name in load.others))
     ]
     return np.array([np.nan if leak is None else leak.leak_rate for leak in leaks])

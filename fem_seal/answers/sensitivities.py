@@ -126,7 +126,7 @@ class Sensitivity:
 
         Infinite where the step seals, zero where the readings contradict each other.
         """
-        logs = [math.log(one) if one > 0 else -math.inf for one in self.ratio]
+        logs = [math.log(ratio) if ratio > 0 else -math.inf for ratio in self.ratio]
         return min(map(abs, logs)) if logs[0] * logs[1] > 0 else 0.0
 
     @property
@@ -134,10 +134,10 @@ class Sensitivity:
         """Whether the exponents foretell the ratio to within a fifth of its logarithm."""
         if any(map(math.isnan, self.exponents)) or min(self.ratio) <= 0:
             return False
-        told = [one * math.log(self.factor) for one in self.exponents]
+        logs = [exponent * math.log(self.factor) for exponent in self.exponents]
         return all(
-            abs(math.log(one) - end) <= max(0.2 * abs(end), 0.02)
-            for one, end in zip(self.ratio, told, strict=True)
+            abs(math.log(ratio) - end) <= max(0.2 * abs(end), 0.02)
+            for ratio, end in zip(self.ratio, logs, strict=True)
         )
 
 
@@ -145,7 +145,7 @@ def sensitivities(
     result: SolvedSeal,
     number: int | None = None,
     progress: Callable[[str], None] | None = None,
-    judged: Collection[int] = (),
+    load_numbers: Collection[int] = (),
 ) -> tuple[Sensitivity, ...]:
     """Sensitivities of a result at one load, the strongest first.
 
@@ -157,7 +157,7 @@ def sensitivities(
         Of the load; the one with the highest fluid pressure unless given.
     progress : callable, optional
         Told before each where they are calculated one after the other, in a process that cannot be copied.
-    judged : collection of int
+    load_numbers : collection of int
         Numbers of the loads at which the strongest one that cuts the leak must help.
 
     Returns
@@ -166,27 +166,27 @@ def sensitivities(
         Empty where nothing leaks, the seal is open, or there is no leak rate.
     """
     number = highest_load(result.loads) if number is None else number
-    changed = _ChangedSeal(result, (number,))
-    if not changed.leaks:
+    changed_seal = _ChangedSeal(result, (number,))
+    if not changed_seal.leaks:
         return ()
 
     tell = progress if progress is not None and not can_copy() else lambda text: None
 
-    def found(changes: Sequence[_Change]) -> list[Sensitivity | None]:
+    def evaluate(changes: Sequence[_Change]) -> list[Sensitivity | None]:
         tell(_STATUS)
-        return changed.sensitivities(changes)
+        return changed_seal.sensitivities(changes)
 
-    changes = list(changed.changes())
+    changes = list(changed_seal.changes())
     parts = [changes[first : first + _AT_ONCE] for first in range(0, len(changes), _AT_ONCE)]
-    every = sorted(filter(None, chain.from_iterable(fork_map(found, parts))), key=lambda one: -one.strength)
-    everywhere = _ChangedSeal(result, (*(n for n in judged if n != number), number))
-    for place, one in enumerate(every):
-        if one.drawn and one.strength > 0.0 and max(one.ratio) <= _CUTS:
+    levers = sorted(filter(None, chain.from_iterable(fork_map(evaluate, parts))), key=lambda x: -x.strength)
+    at_all_loads = _ChangedSeal(result, (*(n for n in load_numbers if n != number), number))
+    for place, lever in enumerate(levers):
+        if lever.drawn and lever.strength > 0.0 and max(lever.ratio) <= _CUTS:
             tell(_STATUS)
-            every[place] = one = replace(one, helps=everywhere.helps(one))
-            if one.helps:
+            levers[place] = lever = replace(lever, helps=at_all_loads.helps(lever))
+            if lever.helps:
                 break
-    return tuple(every)
+    return tuple(levers)
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,8 +275,8 @@ class _ChangedSeal:
 
     def _at_load(self, problems: Problems, more_force: float = 0.0) -> Problems:
         """Problems with the loads in question, after those that have a say in them."""
-        every, more = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
-        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._order(problems[0]))
+        base, forces = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
+        points = tuple((base[n][0], base[n][1] + forces.get(n, 0.0)) for n in self._order(problems[0]))
         # bolts keep the force that they have at this load
         loads = replace(problems[0].loads, points=points, refused={}, target_leak_rate=None)
         return under_loads(problems, replace(loads, bolts_solved=True, tightened=()))
@@ -292,36 +292,37 @@ class _ChangedSeal:
         fills = problem.form is not None and problem.form.tolerance is not None
         return (highest, *self.numbers) if fills and highest not in self.numbers else self.numbers
 
-    def helps(self, one: Sensitivity) -> bool:
+    def helps(self, lever: Sensitivity) -> bool:
         """Whether no load in question leaks more for a change or leaves the theory for it.
 
         Parameters
         ----------
-        one : Sensitivity
+        lever : Sensitivity
         """
-        same = (one.key, one.material)
+        same = (lever.key, lever.material)
         change = next(change for change in self.changes() if (change.key, change.material) == same)
         with suppress(*_FAILURES):
-            problems = change.problems(one.factor)
-            found = evaluate_seal(problems, SharedBodies(tables=FlowModel.short_table, stress=True))
-            missing = found[0].solved_loads.problems
-            solved = [n for at, n in enumerate(self._order(problems[0])) if at not in missing]
-            loads = dict(zip(solved, loads_of(found), strict=True))
+            problems = change.problems(lever.factor)
+            evaluations = evaluate_seal(problems, SharedBodies(tables=FlowModel.short_table, stress=True))
+            load_problems = evaluations[0].solved_loads.problems
+            numbers = [n for at, n in enumerate(self._order(problems[0])) if at not in load_problems]
+            loads = dict(zip(numbers, loads_of(evaluations), strict=True))
             return all(
-                n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
+                n in loads and self._better(evaluations, loads[n], self.result.loads[n]) for n in self.numbers
             )
         return False
 
-    def _better(self, found: Sequence[Evaluation], load: CaseLoad, before: CaseLoad) -> bool:
-        rates = zip(_rates_of(load), _rates_of(before), strict=True)
-        leaks_more = any(not after <= own * _SAME for after, own in rates)
+    def _better(self, evaluations: Sequence[Evaluation], load: CaseLoad, load_before: CaseLoad) -> bool:
+        rates = zip(_rates_of(load), _rates_of(load_before), strict=True)
+        leaks_more = any(not new <= old * _SAME for new, old in rates)
         return not leaks_more and (
-            before.validity.outside_theory or not load.validity_by(validity_of, found).outside_theory
+            load_before.validity.outside_theory
+            or not load.validity_by(validity_of, evaluations).outside_theory
         )
 
-    def _rates(self, problems: Problems, found: Sequence[Evaluation]) -> Rates:
+    def _rates(self, problems: Problems, evaluations: Sequence[Evaluation]) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
-        load = loads_of(found)[-1]
+        load = loads_of(evaluations)[-1]
         return _rates_of(load) if load.point == problems[0].loads.points[-1] else ()
 
     def sensitivities(self, changes: Sequence[_Change]) -> list[Sensitivity | None]:
@@ -329,44 +330,44 @@ class _ChangedSeal:
 
         A dimension whose larger value opens the seal is made smaller.
         """
-        least = _SMALL_PATH if self.problem.follows_path else 0.0
-        small = [change.small and max(change.small, least) for change in changes]
-        near = self._rates_after(
-            {change: 1.0 + step for change, step in zip(changes, small, strict=True) if step}
+        smallest = _SMALL_PATH if self.problem.follows_path else 0.0
+        steps = [change.small and max(change.small, smallest) for change in changes]
+        near_rates = self._rates_after(
+            {change: 1.0 + step for change, step in zip(changes, steps, strict=True) if step}
         )
-        near = {change: near.get(change, self.rates) for change in changes}
+        near_rates = {change: near_rates.get(change, self.rates) for change in changes}
         factors = {
-            change: 1.0 / change.step if sum(near[change]) > sum(self.rates) else change.step
+            change: 1.0 / change.step if sum(near_rates[change]) > sum(self.rates) else change.step
             for change in changes
         }
-        far = self._rates_after(factors)
+        far_rates = self._rates_after(factors)
         smaller = {
             change: 2.0 - factors[change]
-            for change, step in zip(changes, small, strict=True)
-            if not far[change] and not step and factors[change] > 1
+            for change, step in zip(changes, steps, strict=True)
+            if not far_rates[change] and not step and factors[change] > 1
         }
         factors |= smaller
-        far |= self._rates_after(smaller)
+        far_rates |= self._rates_after(smaller)
         return [
-            self._sensitivity(change, step, near[change], factors[change], far[change])
-            for change, step in zip(changes, small, strict=True)
+            self._sensitivity(change, step, near_rates[change], factors[change], far_rates[change])
+            for change, step in zip(changes, steps, strict=True)
         ]
 
     def _sensitivity(
-        self, change: _Change, small: float, near: Rates, factor: float, far: Rates
+        self, change: _Change, step: float, near_rates: Rates, factor: float, far_rates: Rates
     ) -> Sensitivity | None:
         """From the leak rates after a small step up and after the step that is told."""
-        after = change.value_after(factor)
-        if not len(near) == len(far) == len(self.rates) or (
-            change.key == "hurst" and after is not None and after > _LARGEST_HURST
+        value = change.value_after(factor)
+        if not len(near_rates) == len(far_rates) == len(self.rates) or (
+            change.key == "hurst" and value is not None and value > _LARGEST_HURST
         ):
             return None
-        ratios = [one / before for before, one in zip(self.rates, far, strict=True)]
-        exponents = _exponents(self.rates, *((near, 1.0 + small) if small else (far, factor)))
+        ratios = [new / old for old, new in zip(self.rates, far_rates, strict=True)]
+        exponents = _exponents(self.rates, *((near_rates, 1.0 + step) if step else (far_rates, factor)))
         return Sensitivity(
             change.key,
             change.before,
-            after,
+            value,
             factor,
             (ratios[0], ratios[-1]),
             exponents,
@@ -384,8 +385,8 @@ class _ChangedSeal:
     @cached_property
     def _not_drawn(self) -> tuple[str, ...]:
         """Keys of what nobody can order; an alloy of the library, as the softer body, has its hardness."""
-        own = (self.result.case.closure.material, self.result.case.lower.material)
-        softer = min(own, key=lambda one: one.hardness or math.inf)
+        materials = (self.result.case.closure.material, self.result.case.lower.material)
+        softer = min(materials, key=lambda material: material.hardness or math.inf)
         return (*_NOT_DRAWN, "hardness") if "hardness" in library_table(softer.name) else _NOT_DRAWN
 
     def _rates_after(self, factors: Mapping[_Change, float]) -> dict[_Change, Rates]:
@@ -393,8 +394,8 @@ class _ChangedSeal:
         changes, batch = list(factors), Batch()
         problems = batch.map(range(len(changes)), lambda n: changes[n].problems(factors[changes[n]]))
         sources = {n: (self.source,) * len(each) for n, each in problems.items()}
-        found = evaluate_many(problems, sources, batch)
-        rates = batch.map(found, lambda n: self._rates(problems[n], found[n]))
+        evaluations = evaluate_many(problems, sources, batch)
+        rates = batch.map(evaluations, lambda n: self._rates(problems[n], evaluations[n]))
         for error in batch.failed.values():
             if not isinstance(error, _FAILURES):
                 raise error
@@ -412,13 +413,13 @@ class _ChangedSeal:
     def _force(self) -> _Change:
         """More force of spring or actuator: a tenth of it or, where there is none, of the contact force."""
         load = self.result.loads[self.number]
-        applied = load.applied_force
-        unit = applied if applied > 0 else load.contact_force
+        force = load.applied_force
+        unit = force if force > 0 else load.contact_force
 
         def problems(factor: float) -> Problems:
             return self._at_load(self.problems, (factor - 1.0) * unit)
 
-        return _Change("force", _FORCE, problems, _SMALL_FORCE, applied, unit)
+        return _Change("force", _FORCE, problems, _SMALL_FORCE, force, unit)
 
     def _surface(self) -> Iterator[_Change]:
         """Heights, hardness, modulus and, of a self-affine spectrum, its shape; none of a simulated surface."""
@@ -427,11 +428,11 @@ class _ChangedSeal:
         if self.problem.flow.simulated is not None:
             return
         # of a drawing the heights that it gives are halved, and not the rms height of the gap
-        drawn = self._drawn
+        heights = self._drawn
         steps: dict[str, tuple[float, float | None]] = {
             "rms_height": (
                 _TWO,
-                None if drawn or len(self.case.contacts) > 1 else surface.spectrum.rms_height,
+                None if heights or len(self.case.contacts) > 1 else surface.spectrum.rms_height,
             ),
             "youngs_modulus": (_TWO, None),
         }
@@ -439,12 +440,12 @@ class _ChangedSeal:
             steps["hardness"] = _TWO, surface.hardness
         part = self_affine_part(roughness)
         if part is not None:
-            given = roughness.parts[part]
-            steps["hurst"] = _HURST, getattr(given, "hurst", None)
-            steps["q_rolloff"] = _TWO, getattr(given, "q_rolloff", None)
+            spectrum = roughness.parts[part]
+            steps["hurst"] = _HURST, getattr(spectrum, "hurst", None)
+            steps["q_rolloff"] = _TWO, getattr(spectrum, "q_rolloff", None)
         for key, (step, value) in steps.items():
             yield _Change(key, step, partial(self._with_surface, key), _SMALL_STEP, value)
-        for path, value in drawn.items() if len(drawn) > 1 else ():
+        for path, value in heights.items() if len(heights) > 1 else ():
             yield _Change(path, 1.0 / _TWO, partial(self._with_entries, {path: value}, value), before=value)
 
     @cached_property
@@ -452,14 +453,14 @@ class _ChangedSeal:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
         roughness = self.case.roughness
         rough = [part.roughness for part in self.case.parts if part.roughness]
-        if not rough or any(len(one.finishes) < len(one.parts) for one in rough):
+        if not rough or any(len(table.finishes) < len(table.parts) for table in rough):
             return {}
         if roughness is not None and roughness.height is not None:
             return {f"roughness.{roughness.height}": roughness.finish.value}
         return {
-            f"roughness.{face}.{one.height}": one.finish.value
-            for face, one in self.case.finishes.items()
-            if one.height is not None
+            f"roughness.{face}.{table.height}": table.finish.value
+            for face, table in self.case.finishes.items()
+            if table.height is not None
         }
 
     @property
@@ -474,16 +475,16 @@ class _ChangedSeal:
         is one of heights alone: the filters change in steps.
         """
         if key == "rms_height" and factor == 1.0 / _TWO and self._drawn:
-            halved = {path: factor * value for path, value in self._drawn.items()}
-            return self._at_load(problems_of(self.case.replace(halved)))
+            heights = {path: factor * value for path, value in self._drawn.items()}
+            return self._at_load(problems_of(self.case.replace(heights)))
         parts = zip(self.problems, self.case.parts, strict=True)
         return tuple(changed_problem(problem, part, {key: factor}) for problem, part in parts)
 
     def _with_entries(self, entries: Mapping[str, float], of: float, factor: float) -> Problems:
         """The problems with some numbers of the case larger by the same: a factor on one of them, or between two."""
-        more = (factor - 1.0) * of
+        change = (factor - 1.0) * of
         return self._at_load(
-            problems_of(self.case.replace({path: value + more for path, value in entries.items()}))
+            problems_of(self.case.replace({path: value + change for path, value in entries.items()}))
         )
 
     def _dimensions(self) -> Iterator[_Change]:
@@ -493,15 +494,15 @@ class _ChangedSeal:
             (angles if kind == "angle" else lengths)[path] = value
 
         pair = {path: value for path, value in angles.items() if path.endswith(".angle")}
-        apart = max(pair.values(), default=0.0) - min(pair.values(), default=0.0)
+        difference = max(pair.values(), default=0.0) - min(pair.values(), default=0.0)
 
         def change(key: str, entries: Mapping[str, float], of: float) -> _Change:
             # faces that nearly fit are made with a small difference, and stay a pair
-            of_angle = 0.5 * apart if key in pair and 0.0 < apart < _OF_ANGLE else _OF_ANGLE
+            of_angle = 0.5 * difference if key in pair and 0.0 < difference < _OF_ANGLE else _OF_ANGLE
             step = of_angle if key.endswith("angle") else _round_step(of)
             return _Change(key, 1.0 + step / of, partial(self._with_entries, entries, of), before=of)
 
-        if len(pair) > 1 and apart == 0.0:
+        if len(pair) > 1 and difference == 0.0:
             # faces that fit each other are turned together
             yield change(" and ".join(pair), pair, next(iter(pair.values())))
             angles = {path: value for path, value in angles.items() if path not in pair}
@@ -522,8 +523,8 @@ class _ChangedSeal:
                 marker = next(quantities_of(entry), None)
                 if marker is None or key not in _AT_CONTACT[body.name]:
                     continue
-                given = getattr(body.table, key)
-                value = getattr(body.shape, key, None) if given is None and key in _DRAWN_KEYS else given
+                number = getattr(body.table, key)
+                value = getattr(body.shape, key, None) if number is None and key in _DRAWN_KEYS else number
                 if value:
                     yield f"{body.key}.{key}", marker.dimension, value
 
@@ -532,12 +533,12 @@ class _ChangedSeal:
         assert self.problem.flow is not None  # of `leaks`
         # those of the contact at its temperature
         bodies = {body.key: body.table.material for body in self._bodies}
-        bodies |= {self.case.key_of(name): own for name, own in self.problem.materials.items()}
-        for body, own in bodies.items():
-            if own.hardening is not None or self.problem.flow.simulated is not None:
+        bodies |= {self.case.key_of(name): material for name, material in self.problem.materials.items()}
+        for body, material in bodies.items():
+            if material.hardening is not None or self.problem.flow.simulated is not None:
                 continue
             for name in _MATERIALS:
-                if name != own.name:
+                if name != material.name:
                     yield _Change(
                         f"{body}.material",
                         math.nan,
@@ -551,8 +552,8 @@ class _ChangedSeal:
 
 def _rates_of(load: CaseLoad) -> Rates:
     """Leak rate of a load in each of its readings [m^3/s]."""
-    found = (load.leak, *(one.leak for one in load.others.values()))
-    return tuple(leak.leak_rate for leak in found if leak is not None)
+    leaks = (load.leak, *(scenario.leak for scenario in load.others.values()))
+    return tuple(leak.leak_rate for leak in leaks if leak is not None)
 
 
 def _round_step(length: float) -> float:
@@ -563,24 +564,24 @@ def _round_step(length: float) -> float:
     >>> _round_step(0.02), _round_step(0.005)
     (0.001, 0.0002)
     """
-    wanted = _OF_LENGTH * length
-    power = 10.0 ** math.floor(math.log10(wanted) + 1e-9)
-    return max(first * power for first in (1, 2, 5) if first * power <= wanted * (1 + 1e-9))
+    limit = _OF_LENGTH * length
+    power = 10.0 ** math.floor(math.log10(limit) + 1e-9)
+    return max(first * power for first in (1, 2, 5) if first * power <= limit * (1 + 1e-9))
 
 
-def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float]:
+def _exponents(start: Rates, end: Rates, factor: float) -> tuple[float, float]:
     """d ln Q / d ln x of the readings; NaN where one does not leak or is open."""
-    if not all(0 < rate < math.inf for rate in (*before, *after)):
+    if not all(0 < rate < math.inf for rate in (*start, *end)):
         return math.nan, math.nan
-    found = [math.log(far / near) / math.log(factor) for near, far in zip(before, after, strict=True)]
-    return found[0], found[-1]
+    slopes = [math.log(new / old) / math.log(factor) for old, new in zip(start, end, strict=True)]
+    return slopes[0], slopes[-1]
 
 
 def _compute(seal: SolvedSeal, request: Request) -> tuple[Sensitivity, ...]:
-    judged = VERDICT.of(request.answers).seal
-    if judged is None:
+    verdict = VERDICT.of(request.answers).seal
+    if verdict is None:
         return sensitivities(seal, None, request.clock.progress, range(len(seal.loads)))
-    return sensitivities(seal, judged.number, request.clock.progress, judged.load_numbers)
+    return sensitivities(seal, verdict.number, request.clock.progress, verdict.load_numbers)
 
 
 SENSITIVITIES = Answer[tuple[Sensitivity, ...]](

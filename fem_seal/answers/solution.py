@@ -105,9 +105,9 @@ def answer_parts(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -
     if not (of_part and others):
         return _answer_each(seal, request, answers)
     parts = [_answer_each(first, request, of_part)]
-    known = [one.text for one in FINDINGS.of(request.answers).cautions]
+    said_texts = [caution.text for caution in FINDINGS.of(request.answers).cautions]
     for part in others:
-        own = replace(
+        query = replace(
             request,
             solver=LoadSolver(part.problem, part.model),
             steps=OptionalSteps(),
@@ -115,10 +115,10 @@ def answer_parts(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -
             samples={},
             remarks=[],
         )
-        parts.append(_answer_each(part, own, of_part))
-        texts = [one.text for one in FINDINGS.of(own.answers).cautions if one.text not in known]
+        parts.append(_answer_each(part, query, of_part))
+        texts = [x.text for x in FINDINGS.of(query.answers).cautions if x.text not in said_texts]
         label = part.problem.contact.label_of("closure")
-        request.remarks.extend(f"{label}: {text}" for text in (*texts, *own.steps.failures))
+        request.remarks.extend(f"{label}: {text}" for text in (*texts, *query.steps.failures))
     return _answer_each(seal.with_parts(parts), request, [answer for answer in answers if not answer.of_part])
 
 
@@ -127,6 +127,6 @@ def _answer_each(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -
         if not answer.is_asked_of(seal, request):
             request.answers[answer.name] = answer.fallback
             continue
-        request.answers[answer.name] = found = answer.compute_or_fall_back(seal, request)
-        seal = seal.with_loads([answer.of_load(load, n, found) for n, load in enumerate(seal.loads)])
+        request.answers[answer.name] = value = answer.compute_or_fall_back(seal, request)
+        seal = seal.with_loads([answer.of_load(load, n, value) for n, load in enumerate(seal.loads)])
     return seal

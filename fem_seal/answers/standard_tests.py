@@ -125,21 +125,21 @@ def under_test(case: Case, test: ClosureTest, *, at: float | None = None) -> Cas
 
 def _load_of_test(case: Case, test: ClosureTest) -> tuple[float, tuple[float, float]]:
     """Fluid pressure of a test [Pa], and fluid pressure and applied force of the load that is nearest."""
-    required = case.requirement
-    assert required is not None  # of the checks
-    rated = case.set_pressure if required.rated_pressure is None else required.rated_pressure
-    assert rated is not None  # as well
-    pressure = test.pressure(rated)
+    requirement = case.requirement
+    assert requirement is not None  # of the checks
+    rated_pressure = case.set_pressure if requirement.rated_pressure is None else requirement.rated_pressure
+    assert rated_pressure is not None  # as well
+    pressure = test.pressure(rated_pressure)
     return pressure, min(case.load.points, key=lambda point: abs(point[0] - pressure))
 
 
 def _without_result(case: Case, test: ClosureTest, error: Exception) -> TestedLoad:
     """The row of a test whose load has no result: it opens the seal, or nothing is known."""
-    pressure, (own, force) = _load_of_test(case, test)
+    pressure, (nearest, force) = _load_of_test(case, test)
     point, problem = (pressure, force), getattr(error, "problems", (None,))[0]
     if isinstance(problem, LoadProblem):
         # the limit, from the test's fluid in a load that the seal holds
-        judgement = missing_verdict(under_test(case, test, at=own), point, problem)
+        judgement = missing_verdict(under_test(case, test, at=nearest), point, problem)
     else:
         assert case.requirement is not None  # of the tests
         limit = Limit(" ".join(case.requirement.standard_and_class or ()), math.nan)
@@ -152,17 +152,17 @@ def _says_spread(table: Mapping[str, Any]) -> bool:
     return not table.keys() <= {"samples", "seed", "confidence"}
 
 
-def _load_of(written: Mapping[str, Any], pressures: Sequence[float], force: float) -> dict[str, Any]:
+def _load_of(table: Mapping[str, Any], pressures: Sequence[float], force: float) -> dict[str, Any]:
     """A table [load] with other loads under one force."""
-    given = {"set_pressure", "target_leak_rate", "largest_earlier_pressure"}
-    kept = {key: value for key, value in written.items() if key not in given}
-    return {**kept, "fluid_pressure": [f"{one!r} Pa" for one in pressures], "applied_force": f"{force!r} N"}
+    keys = {"set_pressure", "target_leak_rate", "largest_earlier_pressure"}
+    base = {key: value for key, value in table.items() if key not in keys}
+    return {**base, "fluid_pressure": [f"{p!r} Pa" for p in pressures], "applied_force": f"{force!r} N"}
 
 
 def _solve_loads(case: Case, test: str, request: Request) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
     assert request.solve is not None and case.fluid is not None
     seal, name = request.solve(case, answers=_ANSWERS), case.fluid.name
-    found = [
+    rows = [
         TestedLoad(
             test,
             name,
@@ -175,28 +175,30 @@ def _solve_loads(case: Case, test: str, request: Request) -> tuple[SolvedSeal, t
     ]
     for point, problem in seal.load_problems.items():
         rate = math.inf if problem.kind == "open" else math.nan
-        found.append(
+        rows.append(
             TestedLoad(test, name, *point, rate, Bounds(rate, rate), missing_verdict(case, point, problem))
         )
-    return seal, tuple(sorted(found, key=lambda one: one.fluid_pressure))
+    return seal, tuple(sorted(rows, key=lambda row: row.fluid_pressure))
 
 
 def _tests(seal: SolvedSeal, request: Request) -> tuple[TestedLoad, ...]:
     case = seal.case
     assert case.requirement is not None and case.fluid is not None
 
-    def pressed(test: ClosureTest) -> tuple[TestedLoad, ...]:
+    def solve_test(test: ClosureTest) -> tuple[TestedLoad, ...]:
         try:
             return _solve_loads(under_test(case, test), test.name, request)[1]
         except NoLoadLeftError as error:
             return (_without_result(case, test, error),)
 
-    def found(test: ClosureTest) -> tuple[TestedLoad, ...]:
-        rows = request.steps.compute(f"the {test.name} of the standard", partial(pressed, test), ())
+    def solve_or_explain(test: ClosureTest) -> tuple[TestedLoad, ...]:
+        rows = request.steps.compute(f"the {test.name} of the standard", partial(solve_test, test), ())
         return rows or (_without_result(case, test, SealError()),)
 
     return tuple(
-        load for test in case.requirement.tests(gas=case.fluid.gas is not None) for load in found(test)
+        load
+        for test in case.requirement.tests(gas=case.fluid.gas is not None)
+        for load in solve_or_explain(test)
     )
 
 
@@ -214,18 +216,18 @@ STANDARD_TESTS = Answer[tuple[TestedLoad, ...]](
 def _up_to_opening(seal: SolvedSeal, request: Request) -> SetPressure:
     case, pressure = seal.case, seal.case.set_pressure
     assert pressure is not None
-    force = max(one for _, one in case.load.points)
+    force = max(force for _, force in case.load.points)
     tables = case.written
     load = _load_of(tables["load"], [share * pressure for share in SHARES], force)
     if case.fluid is None or case.roughness is None:
         tables.pop("requirement", None)
     else:
-        given = tables.get("requirement", {})
+        requirement = tables.get("requirement", {})
         tables["requirement"] = {"standard": RELIEF} | {
-            key: given[key] for key in given if key == "bubble_volume"
+            key: requirement[key] for key in requirement if key == "bubble_volume"
         }
-    solved, loads = _solve_loads(Case(**{**tables, "load": load}), "", request)
-    opens = solved.loads[-1].blow_off_pressure
+    solved_seal, loads = _solve_loads(Case(**{**tables, "load": load}), "", request)
+    opens = solved_seal.loads[-1].blow_off_pressure
     return SetPressure(pressure, case.initial_contact_radius, force, opens, loads)
 
 

@@ -120,11 +120,11 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     **values
         What the words have in braces.
     """
-    shown = None
+    text = None
     if target is not None:
-        shown = _rate(target, target) if hasattr(target, _PV) else format_quantity("flow", target)
+        text = _rate(target, target) if hasattr(target, _PV) else format_quantity("flow", target)
     message = sentence("target", name, **values)
-    return InputError.at("load.target_leak_rate", message, shown, file=problem.file)
+    return InputError.at("load.target_leak_rate", message, text, file=problem.file)
 
 
 # What a target of a case has that was written as pressure times volume over time [Pa m^3/s].
@@ -133,8 +133,8 @@ _PV = "pressure_volume"
 
 def _rate(rate: float, target: float) -> str:
     """A leak rate [m^3/s] in the kind of unit in which the target was written."""
-    written: float | None = getattr(target, _PV, None)
-    return quantity("flow", rate) if written is None else quantity("throughput", rate * written / target)
+    pv: float | None = getattr(target, _PV, None)
+    return quantity("flow", rate) if pv is None else quantity("throughput", rate * pv / target)
 
 
 # Relative accuracy of the force.
@@ -201,11 +201,11 @@ def contacts_at_target(
 
         return find_zero(excess, start, lowest=lowest, highest=highest, accuracy=_ACCURACY)
 
-    found = {
+    loads = {
         pressure: _at_target(problems, trials, zero, target, scenario)
         for pressure, (trials, zero) in search_forces(problems, starts, find).items()
     }
-    return [found[pressure] for pressure in problem.loads.fluid_pressure]
+    return [loads[pressure] for pressure in problem.loads.fluid_pressure]
 
 
 def _at_target(
@@ -290,19 +290,19 @@ class TargetForces:
 def _compute(seal: SolvedSeal, request: Request) -> TargetForces:
     none = [None] * len(seal.loads)
 
-    def compute(what: str, scenario: str = "") -> TargetForces:
+    def compute(subject: str, scenario: str = "") -> TargetForces:
         return request.steps.compute(
-            what, partial(_forces, seal, scenario), TargetForces(none, none, none, none)
+            subject, partial(_forces, seal, scenario), TargetForces(none, none, none, none)
         )
 
     with request.clock.step("questions", ""):
-        own = compute(TARGET.subject)
+        nominal = compute(TARGET.subject)
         others = {
             name: compute(f"{TARGET.subject} of {SCENARIOS[name].asperities}", name)
             for name in seal.loads[0].others
         }
-    remarks = [remark for one in (own, *others.values()) for remark in one.remarks]
-    return replace(own, remarks=tuple(remarks), others={name: one.force for name, one in others.items()})
+    remarks = [remark for forces in (nominal, *others.values()) for remark in forces.remarks]
+    return replace(nominal, remarks=tuple(remarks), others={name: x.force for name, x in others.items()})
 
 
 def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
@@ -312,46 +312,46 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
         # each force is looked for with its own preload before it
         problems = under_loads(problems, seal.problem.loads.with_loose_bolts)
     try:
-        found = contacts_at_target(problems, scenario=scenario)
+        results = contacts_at_target(problems, scenario=scenario)
     except InputError as error:
         when = f"{SCENARIOS[scenario].condition}: " if scenario else ""
-        texts = [f"{when}{one}" for one in error.problems]
+        texts = [f"{when}{why}" for why in error.problems]
         return TargetForces(
             none, none, none, none, tuple(remark("target", Level.DOUBTFUL, text) for text in texts)
         )
     forces = TargetForces(
-        [one.applied_force for one in found],
-        [one.contact_force for one in found],
-        [one.preload_for_target for one in found],
+        [load.applied_force for load in results],
+        [load.contact_force for load in results],
+        [load.preload_for_target for load in results],
         none,
     )
     if scenario:
         return forces
-    validity = [load.validity_by(target_validity, problems) for load in found]
+    validity = [load.validity_by(target_validity, problems) for load in results]
     remarks: list[Finding] = []
-    for problem, loads in zip(problems, zip(*(load.parts for load in found), strict=True), strict=True):
-        known, label = {one.text for one in remarks}, problem.contact.label_of("closure")
+    for problem, loads in zip(problems, zip(*(load.parts for load in results), strict=True), strict=True):
+        known_texts, label = {finding.text for finding in remarks}, problem.contact.label_of("closure")
         remarks += [
-            one if problem is problems[0] else one.at_place(label)
-            for one in target_cautions(problem, loads)
-            if one.text not in known
+            finding if problem is problems[0] else finding.at_place(label)
+            for finding in target_cautions(problem, loads)
+            if finding.text not in known_texts
         ]
     return replace(forces, validity=validity, remarks=tuple(remarks))
 
 
-def _of_load(load: CaseLoad, number: int, found: TargetForces | None) -> CaseLoad:
-    if found is None:
+def _of_load(load: CaseLoad, number: int, targets: TargetForces | None) -> CaseLoad:
+    if targets is None:
         return load
-    known = load.with_values(
-        force_for_target=found.force[number],
-        contact_force_for_target=found.contact_force[number],
-        preload_for_target=found.preload[number],
-        target_validity=found.validity[number],
+    new_load = load.with_values(
+        force_for_target=targets.force[number],
+        contact_force_for_target=targets.contact_force[number],
+        preload_for_target=targets.preload[number],
+        target_validity=targets.validity[number],
     )
-    return known.with_scenarios(
+    return new_load.with_scenarios(
         {
             name: load.scenarios[name].with_values(force_for_target=forces[number])
-            for name, forces in found.others.items()
+            for name, forces in targets.others.items()
         }
     )
 

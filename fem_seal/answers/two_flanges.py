@@ -29,8 +29,8 @@ def load_of_parts(parts: Sequence[CaseLoad]) -> CaseLoad:
     """
     if len(parts) == 1:
         return parts[0]
-    known = {field.name: getattr(parts[0], field.name) for field in fields(CaseLoad)}
-    return GasketLoad(**known).with_parts(parts)
+    values = {field.name: getattr(parts[0], field.name) for field in fields(CaseLoad)}
+    return GasketLoad(**values).with_parts(parts)
 
 
 def mean_rate(rates: Iterable[float]) -> float:
@@ -41,8 +41,8 @@ def mean_rate(rates: Iterable[float]) -> float:
     rates : iterable of float
         [m^3/s]
     """
-    known = [*rates]
-    return sum(known) / len(known)
+    values = [*rates]
+    return sum(values) / len(values)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,22 +68,22 @@ class GasketLoad(CaseLoad):
             With the upper and with the lower flange.
         """
         upper, lower = parts
-        made = self.with_values(parts=(upper, lower))
+        load = self.with_values(parts=(upper, lower))
         margins = [face.opening for face in parts if face.opening is not None]
         opens = [face.blow_off_pressure for face in parts if face.blow_off_pressure is not None]
         scenarios: dict[str, CaseLoad] = {}
         for name, face in upper.scenarios.items():
-            known, below = self.scenarios.get(name), lower.scenarios.get(name)
-            if below is not None and isinstance(known, GasketLoad):
-                scenarios[name] = known.with_parts((face, below))
-            elif below is not None:
-                scenarios[name] = load_of_parts((face, below))
-        return made.with_values(
+            scenario, lower_face = self.scenarios.get(name), lower.scenarios.get(name)
+            if lower_face is not None and isinstance(scenario, GasketLoad):
+                scenarios[name] = scenario.with_parts((face, lower_face))
+            elif lower_face is not None:
+                scenarios[name] = load_of_parts((face, lower_face))
+        return load.with_values(
             effective_radius=upper.effective_radius,
             blow_off_pressure=min(opens, default=None),
             opening=min(margins, key=lambda margin: margin.share, default=None),
-            validity=_joined_validity(upper.validity, lower.validity, made.upper_share),
-            mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, made.upper_share),
+            validity=_joined_validity(upper.validity, lower.validity, load.upper_share),
+            mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, load.upper_share),
             scenarios=scenarios,
         )
 
@@ -126,32 +126,32 @@ class GasketLoad(CaseLoad):
         return self.parts[0 if self.upper_share() >= 0.5 else 1].flow_error
 
 
-def mean_leak(one: LeakResult, other: LeakResult) -> LeakResult:
+def mean_leak(first: LeakResult, second: LeakResult) -> LeakResult:
     """Leak of a gasket, half of it as in one result and half as in another; where it flows is told by the first.
 
     Parameters
     ----------
-    one, other : LeakResult
+    first, second : LeakResult
     """
-    rate = mean_rate((one.leak_rate, other.leak_rate))
-    if 0.0 < one.leak_rate < math.inf or rate == one.leak_rate:
-        return one.scaled(rate)
+    rate = mean_rate((first.leak_rate, second.leak_rate))
+    if 0.0 < first.leak_rate < math.inf or rate == first.leak_rate:
+        return first.scaled(rate)
     # one is sealed or the other open: where it flows is not scaled
-    shares = other.scaled(rate)
-    return replace(shares, fluid_pressure=one.fluid_pressure, lands=one.lands)
+    shares = second.scaled(rate)
+    return replace(shares, fluid_pressure=first.fluid_pressure, lands=first.lands)
 
 
-def share_of(one: LeakResult, other: LeakResult) -> float:
+def share_of(first: LeakResult, second: LeakResult) -> float:
     """Share of one result in the leak of both; a half where both are sealed or open.
 
     Parameters
     ----------
-    one, other : LeakResult
+    first, second : LeakResult
     """
-    if one.leak_rate == other.leak_rate:
+    if first.leak_rate == second.leak_rate:
         return 0.5
     # an open one has all of it
-    return 1.0 / (1.0 + other.leak_rate / one.leak_rate) if one.leak_rate > 0.0 else 0.0
+    return 1.0 / (1.0 + second.leak_rate / first.leak_rate) if first.leak_rate > 0.0 else 0.0
 
 
 def _joined_validity(upper: Validity, lower: Validity, share: Callable[[], float]) -> Validity:
@@ -167,16 +167,16 @@ def _joined_validity(upper: Validity, lower: Validity, share: Callable[[], float
 
 
 def _join_cautions(upper: Validity, lower: Validity, share: Callable[[], float]) -> Iterator[Finding]:
-    own = share()
-    for kind in dict.fromkeys(one.kind for one in (*upper.cautions, *lower.cautions)):
-        alike = [Validity.of(one for one in face.cautions if one.kind == kind) for face in (upper, lower)]
+    share_of_upper = share()
+    for kind in dict.fromkeys(caution.kind for caution in (*upper.cautions, *lower.cautions)):
+        alike = [Validity.of(x for x in face.cautions if x.kind == kind) for face in (upper, lower)]
         factor = [
-            own * above + (1.0 - own) * below
-            for above, below in zip(*(face.leak_factor for face in alike), strict=True)
+            share_of_upper * first + (1.0 - share_of_upper) * second
+            for first, second in zip(*(face.leak_factor for face in alike), strict=True)
         ]
         worst, *others = max(alike, key=_how_bad).cautions
         yield replace(worst, leak_factor=Bounds(*factor))
-        yield from (replace(one, leak_factor=EXACT) for one in others)
+        yield from (replace(caution, leak_factor=EXACT) for caution in others)
 
 
 def _how_bad(face: Validity) -> tuple[int, float]:

@@ -125,17 +125,17 @@ class LeakInterval:
     @cached_property
     def _all_rates(self) -> list[FloatArray]:
         """What direct simulation may find of the samples, in each reading: with evenly spread factors of its error."""
-        every = [self.leak_rate, *self.others.values()]
+        all_rates = [self.leak_rate, *self.others.values()]
         if not any(self.own_error):
-            return every
+            return all_rates
         if self.error_scores is not None:
-            own = zip(self.own_error, self.error_scores, strict=True)
-            factor = np.array([np.ones(len(z)) if one is None else one.factor_at(z) for one, z in own])
-            return [rates * factor for rates in every]
+            errors = zip(self.own_error, self.error_scores, strict=True)
+            factor = np.array([np.ones(len(z)) if x is None else x.factor_at(z) for x, z in errors])
+            return [rates * factor for rates in all_rates]
         count = min(_FACTORS, max(_MOST_FOUND // self.samples, 1))
-        even = (np.arange(count) + 0.5) / count
-        factors = np.array([np.ones(count) if one is None else one.factor(even) for one in self.own_error])
-        return [(rates[:, :, None] * factors[:, None, :]).reshape(len(rates), -1) for rates in every]
+        places = (np.arange(count) + 0.5) / count
+        factors = np.array([np.ones(count) if x is None else x.factor(places) for x in self.own_error])
+        return [(rates[:, :, None] * factors[:, None, :]).reshape(len(rates), -1) for rates in all_rates]
 
     @property
     def sealed_share(self) -> FloatArray:
@@ -169,7 +169,7 @@ def leak_interval(
     result: SolvedSeal,
     settings: Uncertainty | None = None,
     progress: Callable[[str], None] | None = None,
-    known: KnownRates | None = None,
+    known_rates: KnownRates | None = None,
 ) -> LeakInterval:
     """Leak rate of a result with an interval from uncertain inputs.
 
@@ -193,7 +193,7 @@ def leak_interval(
         Instead of the case's own table [uncertainty].
     progress : callable, optional
         Called with a status message before each step.
-    known : dict, optional
+    known_rates : dict, optional
         See `Samples.known_rates`.
 
     Returns
@@ -219,14 +219,14 @@ def leak_interval(
     """
     if (settings := settings or result.case.sampled) is None:
         raise InputError.at("uncertainty", "is missing; say which inputs are uncertain")
-    if wrong := list(problems_with_uncertainty(result.case, settings)):
-        raise InputError(*wrong)
-    samples = Samples.of(result, settings, known)
+    if problems := list(problems_with_uncertainty(result.case, settings)):
+        raise InputError(*problems)
+    samples = Samples.of(result, settings, known_rates)
     leaks = np.all((samples.of_case > 0) & np.isfinite(samples.of_case), axis=0)
-    told = progress or (lambda text: None)
+    tell = progress or (lambda text: None)
     parts = [
-        _LoadGroup(samples, np.flatnonzero(leaks == which), which, settings.confidence).part(told)
-        for which in np.unique(leaks)[::-1].tolist()
+        _LoadGroup(samples, np.flatnonzero(leaks == is_leaking), is_leaking, settings.confidence).part(tell)
+        for is_leaking in np.unique(leaks)[::-1].tolist()
     ]
     return _interval(samples, settings, parts)
 
@@ -269,42 +269,42 @@ class _LoadGroup:
 
     def rates(self, numbers: Sequence[int], *, whole_paths: bool = False) -> FloatArray:
         """Leak rates of some samples, shape (samples, kinds times sampled loads) [m^3/s]."""
-        loads, whole = self.loads[self.places].tolist(), self.whole_paths or whole_paths
-        return self.samples.leak_rates(numbers, loads, whole_paths=whole).reshape(len(numbers), -1)
+        loads, on_paths = self.loads[self.places].tolist(), self.whole_paths or whole_paths
+        return self.samples.leak_rates(numbers, loads, whole_paths=on_paths).reshape(len(numbers), -1)
 
     def part(self, progress: Callable[[str], None]) -> _Part:
         """The samples at these loads."""
         samples, error, loads = self.samples, None, len(self.places)
-        linearised = samples.seal.problem.follows_path and not (self.whole_paths or samples.follow_paths)
+        is_linear = samples.seal.problem.follows_path and not (self.whole_paths or samples.follow_paths)
         numbers, viscosity = np.arange(len(samples.uniform)), samples.viscosity[:, None]
         runs, surface = numbers[:0], None
-        predicted = rates = np.tile(self.of_case, (len(numbers), 1))
+        estimates = rates = np.tile(self.of_case, (len(numbers), 1))
         if samples.run_inputs:
-            runs, predicted, surface = self._runs(progress)
-            numbers, rates = (runs, predicted) if surface is None else (numbers, predicted.copy())
+            runs, estimates, surface = self._runs(progress)
+            numbers, rates = (runs, estimates) if surface is None else (numbers, estimates.copy())
             rates[np.searchsorted(numbers, runs)] = self.rates(runs.tolist())
-        if samples.run_inputs and (surface is not None or linearised):
+        if samples.run_inputs and (surface is not None or is_linear):
             # the scenarios with the fluid of the case at the last load
             last = slice(loads - 1, samples.scenario_count * loads, loads)
-            ends = samples_at_ends((predicted / viscosity[numbers])[:, last], self.confidence)
-            checked, allowed = numbers[ends], allowed_difference(predicted, *_OF_LINEAR)
-            truth = self.rates(checked.tolist(), whole_paths=True)
-            error = largest_difference(predicted[ends], truth, self.of_case)
-            if linearised and error > allowed:
+            ends = samples_at_ends((estimates / viscosity[numbers])[:, last], self.confidence)
+            check_numbers, tolerance = numbers[ends], allowed_difference(estimates, *_OF_LINEAR)
+            truth = self.rates(check_numbers.tolist(), whole_paths=True)
+            error = largest_difference(estimates[ends], truth, self.of_case)
+            if is_linear and error > tolerance:
                 # and it is not the polynomial alone that is off
-                linear = self.rates(checked.tolist())
-                if largest_difference(linear, truth, self.of_case) > allowed:
+                linear = self.rates(check_numbers.tolist())
+                if largest_difference(linear, truth, self.of_case) > tolerance:
                     return replace(self, whole_paths=True).part(progress)
             rates[ends] = np.where(np.isnan(truth), rates[ends], truth)
-            runs = np.union1d(runs, checked)
+            runs = np.union1d(runs, check_numbers)
         shares = self._shares(numbers, rates[:, :loads], surface)
         rates = (rates / viscosity[numbers]).reshape(len(numbers), -1, loads).swapaxes(0, 1)
         if loads < len(self.loads):
             ratios = rates / self.of_case.reshape(-1, 1, loads)
             usual = samples.of_case[:, None, self.loads]
             rates = at_all_loads(self.log_line_load, self.places, ratios) * usual
-        near = np.argmin(np.abs(np.arange(len(self.loads))[:, None] - self.places), axis=1)
-        return _Part(self.loads, numbers, rates.swapaxes(1, 2), shares[near], len(runs), error)
+        nearest = np.argmin(np.abs(np.arange(len(self.loads))[:, None] - self.places), axis=1)
+        return _Part(self.loads, numbers, rates.swapaxes(1, 2), shares[nearest], len(runs), error)
 
     def _runs(self, progress: Callable[[str], None]) -> tuple[IntArray, FloatArray, ResponseSurface | None]:
         """Samples that are calculated, and leak rates of all by a polynomial through them; theirs if it is not good."""
@@ -322,8 +322,8 @@ class _LoadGroup:
             if goal < total and np.all((rates[runs] > 0) & np.isfinite(rates[runs])):
                 logs = np.log(rates[runs])
                 surface = fit(scores[runs], logs, scores)
-                good = surface.error <= np.maximum(share * np.sqrt(surface.variance), least)
-                if goal == most or good.all():
+                is_good = surface.error <= np.maximum(share * np.sqrt(surface.variance), least)
+                if goal == most or is_good.all():
                     return runs, np.exp(bent_towards_sealing(surface, scores[runs], logs, scores)), surface
             if goal == most:
                 return runs, rates[runs], None
@@ -336,14 +336,14 @@ class _LoadGroup:
             return np.full((loads, len(samples.inputs)), np.nan)
         if surface is None and samples.run_inputs:
             surface = fit(samples.scores[numbers], np.log(rates), samples.scores)
-        own = np.full(loads, np.log(samples.viscosity).var())
+        variance = np.full(loads, np.log(samples.viscosity).var())
         variances = [
-            own
+            variance
             if surface is None or uncertain not in samples.run_inputs
             else surface.variance_of(samples.columns(uncertain))[:loads]
             for uncertain in samples.inputs
         ]
-        total = own if surface is None else own + surface.variance[:loads]
+        total = variance if surface is None else variance + surface.variance[:loads]
         return np.array(variances).T / total[:, None]
 
 
@@ -353,9 +353,9 @@ def _interval(samples: Samples, settings: Uncertainty, parts: Sequence[_Part]) -
     rates, shares = np.empty((kinds, len(loads), count)), np.empty((len(loads), len(samples.inputs)))
     numbers = np.empty((len(loads), count), dtype=np.intp)
     for part in parts:
-        repeated = np.arange(count) % len(part.numbers)
-        rates[:, part.loads] = part.rates[..., repeated]
-        shares[part.loads], numbers[part.loads] = part.shares, part.numbers[repeated]
+        places = np.arange(count) % len(part.numbers)
+        rates[:, part.loads] = part.rates[..., places]
+        shares[part.loads], numbers[part.loads] = part.shares, part.numbers[places]
     scores = None
     if settings.posterior is not None:
         # first-order shares are those of independent inputs
@@ -390,11 +390,11 @@ def _interval(samples: Samples, settings: Uncertainty, parts: Sequence[_Part]) -
 UNCERTAINTY = Answer[LeakInterval | None](
     "uncertainty",
     "interval of the leak rates",
-    lambda seal, request: leak_interval(seal, progress=request.clock.progress, known=request.samples),
+    lambda seal, request: leak_interval(seal, progress=request.clock.progress, known_rates=request.samples),
     None,
     # each sample repeats a path of loads: minutes for an interval of which nothing would be claimed
     lambda seal, request: not (curves(seal.case) and all(x.validity.outside_theory for x in seal.loads)),
-    lambda load, number, found: load if found is None else found.of_load(load, number),
+    lambda load, number, interval: load if interval is None else interval.of_load(load, number),
     "leak rates of uncertain inputs",
     needs=("case.sampled",),
 )

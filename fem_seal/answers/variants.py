@@ -51,62 +51,62 @@ def loads_in(problem: SealProblem, seal: SolvedSeal) -> list[CaseLoad | None]:
     """
     numbers = list(range(len(seal.loads)))
     if problem.follows_path:
-        solved = SolvedLoads(solve_linearised(seal.contact, problem.law))
+        outcome = SolvedLoads(solve_linearised(seal.contact, problem.law))
     else:
         solver = LoadSolver(problem, seal.model)
-        asked = solver.pressings()
-        solved = solve_loads(solver, pressed=dict(zip(asked, solve_many([*asked.values()]), strict=True)))
-        numbers = [number for number in numbers if number not in solved.failures]
-    own = [seal.loads[number] for number in numbers]
-    found = solved.results(problem, [load.point for load in own])
-    known = [
+        starts = solver.pressings()
+        outcome = solve_loads(solver, pressed=dict(zip(starts, solve_many([*starts.values()]), strict=True)))
+        numbers = [number for number in numbers if number not in outcome.failures]
+    loads = [seal.loads[number] for number in numbers]
+    results = outcome.results(problem, [load.point for load in loads])
+    ready_loads = [
         load.with_values(mesh_error=nominal.mesh_error, opening=nominal.opening)
-        for load, nominal in zip(found, own, strict=True)
+        for load, nominal in zip(results, loads, strict=True)
     ]
-    made = dict(zip(numbers, case_loads(problem, known), strict=True))
-    return [made.get(number) for number in range(len(seal.loads))]
+    by_number = dict(zip(numbers, case_loads(problem, ready_loads), strict=True))
+    return [by_number.get(number) for number in range(len(seal.loads))]
 
 
 def _compute(seal: SolvedSeal, request: Request) -> OtherContacts:
     highest = highest_load(seal.loads)
 
-    def settled(load: CaseLoad, what: str) -> CaseLoad:
+    def compute_leak(load: CaseLoad, subject: str) -> CaseLoad:
         at = format_quantity("fluid pressure", load.fluid_pressure)
-        return request.steps.compute_values(load, {"leak": f"{what} at {at}"})
+        return request.steps.compute_values(load, {"leak": f"{subject} at {at}"})
 
-    def known(name: str, number: int, load: CaseLoad) -> CaseLoad | None:
-        what = f"leak rate by {SCENARIOS[name].title}"
-        load = settled(load, what)
+    def compute_load(name: str, number: int, load: CaseLoad) -> CaseLoad | None:
+        subject = f"leak rate by {SCENARIOS[name].title}"
+        load = compute_leak(load, subject)
         if load.leak is None:
             return None
         if number != highest or not request.full:
             return load
         # of what yielding makes of it the full report tells one load
-        compared = {
-            other: settled(load.scenarios[other], f"{what} of {words.asperities}")
+        compared_loads = {
+            other: compute_leak(load.scenarios[other], f"{subject} of {words.asperities}")
             for other, words in SCENARIOS.items()
             if words.asperities and not words.in_interval and other in load.scenarios
         }
-        return load.with_scenarios(compared)
+        return load.with_scenarios(compared_loads)
 
-    found = {
+    contacts = {
         scenario.name: [
-            None if load is None else known(scenario.name, number, load)
+            None if load is None else compute_load(scenario.name, number, load)
             for number, load in enumerate(loads_in(scenario.problem, seal))
         ]
         for scenario in with_own_contacts(seal.problem)
     }
     same_contact = {}
-    for name, loads in found.items() if request.full else ():
+    for name, loads in contacts.items() if request.full else ():
         other = loads[highest]
         leak = None if other is None else replace(seal.loads[highest], rough=other.rough).leak
         if leak is not None:
             same_contact[name] = leak.leak_rate
-    return OtherContacts(found, same_contact)
+    return OtherContacts(contacts, same_contact)
 
 
-def _of_load(load: CaseLoad, number: int, found: OtherContacts) -> CaseLoad:
-    return load.with_scenarios({name: one for name, each in found.loads.items() if (one := each[number])})
+def _of_load(load: CaseLoad, number: int, answer: OtherContacts) -> CaseLoad:
+    return load.with_scenarios({name: x for name, row in answer.loads.items() if (x := row[number])})
 
 
 OWN_CONTACTS = Answer[OtherContacts](
@@ -136,20 +136,20 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []
     # pressures over which the loads have their tables: the same ones serve this contact
-    shown = [contact for one in loads for contact in one.contacts]
+    table_contacts = [contact for load in loads for contact in load.contacts]
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
-        contact, told = load.contact, load
+        contact, result = load.contact, load
         if plastic != problem.interface.plastic:
-            changed = _with_law(problem, plastic)
+            variant = _with_law(problem, plastic)
             if solver.yields:
-                contact = solve_load(replace(solver, problem=changed), strongest)
+                contact = solve_load(replace(solver, problem=variant), strongest)
             else:
-                (contact,) = solve_again([contact], solver.model, changed.law)
-            around = changed.circumference(contact)
-            bare = load_results(changed, [load.point], [contact], [around], alike=shown)
-            (told,) = case_loads(changed, bare)
-        others = {name: one.leak.leak_rate for name, one in told.others.items() if one.leak is not None}
-        variants.append(replace(Comparison.of(name, contact, told.leak), others=others))
+                (contact,) = solve_again([contact], solver.model, variant.law)
+            circumference = variant.circumference(contact)
+            bare = load_results(variant, [load.point], [contact], [circumference], alike=table_contacts)
+            (result,) = case_loads(variant, bare)
+        others = {name: x.leak.leak_rate for name, x in result.others.items() if x.leak is not None}
+        variants.append(replace(Comparison.of(name, contact, result.leak), others=others))
     return tuple(variants)
 
 

@@ -35,7 +35,7 @@ from fem_seal.units import short_quantity
 from fem_seal.validity.checks import load_validity
 
 
-def load_verdict(case: Case, load: CaseLoad, *, sampled: bool = True) -> LoadVerdict | None:
+def load_verdict(case: Case, load: CaseLoad, *, complete: bool = True) -> LoadVerdict | None:
     """What is said of one load; None without a requirement for it.
 
     Parameters
@@ -43,50 +43,50 @@ def load_verdict(case: Case, load: CaseLoad, *, sampled: bool = True) -> LoadVer
     case : Case
     load : CaseLoad
         With its validity, what its mesh leaves uncertain and its samples.
-    sampled : bool
+    complete : bool
         Whether the interval holds what the inputs leave open.
     """
-    required = case.requirement
-    if required is None or not required.judges(load.fluid_pressure):
+    requirement = case.requirement
+    if requirement is None or not requirement.judges(load.fluid_pressure):
         return None
-    return max(limit_verdicts(case, load, sampled=sampled), key=severity, default=None)
+    return max(limit_verdicts(case, load, complete=complete), key=severity, default=None)
 
 
-def limit_verdicts(case: Case, load: CaseLoad, *, sampled: bool = True) -> list[LoadVerdict]:
+def limit_verdicts(case: Case, load: CaseLoad, *, complete: bool = True) -> list[LoadVerdict]:
     """What is said of one load against each limit; where nothing is required of it the target leak rate is the limit.
 
     Parameters
     ----------
-    case, load, sampled
+    case, load, complete
         See `load_verdict`.
     """
-    required, target = case.requirement, case.load.target_leak_rate
-    if required is not None and required.judges(load.fluid_pressure):
-        against = limits(case, load.fluid_pressure, load)
+    requirement, target = case.requirement, case.load.target_leak_rate
+    if requirement is not None and requirement.judges(load.fluid_pressure):
+        case_limits = limits(case, load.fluid_pressure, load)
     else:
-        against = () if target is None else (limit_of_rate(target),)
+        case_limits = () if target is None else (limit_of_rate(target),)
     ends = load.leak_interval or (math.nan, math.nan)
-    known, own = load.leak_validity, load.calculated_ends
-    return [LoadVerdict.of(limit, ends, known, sampled=sampled, calculated=own) for limit in against]
+    validity, core = load.leak_validity, load.calculated_ends
+    return [LoadVerdict.of(limit, ends, validity, complete=complete, core=core) for limit in case_limits]
 
 
-def with_verdicts(case: Case, loads: Sequence[CaseLoad], *, sampled: bool = True) -> tuple[CaseLoad, ...]:
+def with_verdicts(case: Case, loads: Sequence[CaseLoad], *, complete: bool = True) -> tuple[CaseLoad, ...]:
     """Loads with what is said of them.
 
     Parameters
     ----------
     case : Case
     loads : sequence of CaseLoad
-    sampled : bool
+    complete : bool
         See `load_verdict`.
     """
-    return tuple(load.with_values(judgement=load_verdict(case, load, sampled=sampled)) for load in loads)
+    return tuple(load.with_values(judgement=load_verdict(case, load, complete=complete)) for load in loads)
 
 
 def seal_verdict(
     case: Case,
     loads: Sequence[CaseLoad],
-    missing: Mapping[tuple[float, float], LoadProblem],
+    load_problems: Mapping[tuple[float, float], LoadProblem],
     hardness: float | None = None,
 ) -> SealVerdict | None:
     """What is said of the seal; None without a requirement.
@@ -96,27 +96,27 @@ def seal_verdict(
     case : Case
     loads : sequence of CaseLoad
         With their verdicts.
-    missing : mapping
+    load_problems : mapping
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
     hardness : float, optional
         Of the softer body, of several parts that of the first [Pa].
     """
-    required = case.requirement
-    if required is None:
+    requirement = case.requirement
+    if requirement is None:
         return None
-    found: list[tuple[int, tuple[float, float], LoadVerdict]] = [
+    judged_loads: list[tuple[int, tuple[float, float], LoadVerdict]] = [
         (number, load.point, load.judgement) for number, load in enumerate(loads) if load.judgement
     ]
     left_out = [
         (None, point, missing_verdict(case, point, problem))
-        for point, problem in missing.items()
-        if required.judges(point[0])
+        for point, problem in load_problems.items()
+        if requirement.judges(point[0])
     ]
-    every = [*found, *left_out]
-    if not every:
+    rows = [*judged_loads, *left_out]
+    if not rows:
         return None
-    number, point, worst = max(every, key=lambda one: severity(one[2]))
-    numbers = tuple(number for number, _, _ in found)
+    number, point, worst = max(rows, key=lambda row: severity(row[2]))
+    numbers = tuple(number for number, _, _ in judged_loads)
     hard = (hardness, *(part.hardness for part in case.parts[1:]))
     shares = _shares([loads[n] for n in numbers], hard)
     return SealVerdict(worst, *point, number, numbers, len(left_out), shares)
@@ -151,20 +151,20 @@ def _crest(load: LoadResult) -> float:
 
 def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Utilisation:
     """The largest of all loads and their parts, each of which has a hardness."""
-    stressed = [
+    stresses = [
         (_crest(load) * float(load.contact.fields[name].von_mises.max()) / limit, body)
-        for whole in loads
-        for body, (number, name) in whole.named_bodies.items()
+        for whole_load in loads
+        for body, (number, name) in whole_load.named_bodies.items()
         # without a look at the stress, which a model without displacements does not hold
-        if not (load := whole.parts[number]).of_profile
+        if not (load := whole_load.parts[number]).of_profile
         and (limit := getattr(load.contact.model, name).material.yield_stress) is not None
     ]
-    stress, body = max(stressed, default=(None, ""))
+    stress, body = max(stresses, default=(None, ""))
     openings = [load.opening.share for load in loads if load.opening is not None]
     peaks = [
         _crest(load) * load.peak_pressure / hard
-        for whole in loads
-        for load, hard in zip(whole.parts, hardness, strict=False)
+        for whole_load in loads
+        for load, hard in zip(whole_load.parts, hardness, strict=False)
         if hard is not None
     ]
     return Utilisation(stress, body, max(peaks, default=None), min(openings, default=None))
@@ -190,29 +190,29 @@ class Verdicts:
 
 def _compute(seal: SolvedSeal, request: Request) -> Verdicts:
     open_inputs = seal.problem.origin.usual_only or seal.case.sampled is not None
-    sampled = UNCERTAINTY.of(request.answers) is not None or not open_inputs
-    loads = with_verdicts(seal.case, seal.loads, sampled=sampled)
-    found = seal_verdict(seal.case, loads, seal.load_problems, seal.problem.hardness)
-    return Verdicts(found, tuple(load.judgement for load in loads), _in_scenarios(seal))
+    complete = UNCERTAINTY.of(request.answers) is not None or not open_inputs
+    loads = with_verdicts(seal.case, seal.loads, complete=complete)
+    verdict = seal_verdict(seal.case, loads, seal.load_problems, seal.problem.hardness)
+    return Verdicts(verdict, tuple(load.judgement for load in loads), _in_scenarios(seal))
 
 
 def _in_scenarios(seal: SolvedSeal) -> dict[str, tuple[int, LoadVerdict, Verdict]]:
-    own = _worst_verdict(seal.case, [load.with_values(sample_ends=None) for load in seal.loads])
-    found = {}
+    nominal = _worst_verdict(seal.case, [load.with_values(sample_ends=None) for load in seal.loads])
+    verdicts = {}
     for scenario in with_own_contacts(seal.problem):
         other = _worst_verdict(seal.case, [load.scenarios.get(scenario.name) for load in seal.loads])
-        if own is not None and other is not None and own[1].verdict is not other[1].verdict:
-            found[scenario.name] = (*other, own[1].verdict)
-    return found
+        if nominal is not None and other is not None and nominal[1].verdict is not other[1].verdict:
+            verdicts[scenario.name] = (*other, nominal[1].verdict)
+    return verdicts
 
 
 def _worst_verdict(case: Case, loads: Sequence[CaseLoad | None]) -> tuple[int, LoadVerdict] | None:
-    known = [
-        (number, one)
+    verdicts = [
+        (number, verdict)
         for number, load in enumerate(loads)
-        if load is not None and (one := load_verdict(case, load)) is not None
+        if load is not None and (verdict := load_verdict(case, load)) is not None
     ]
-    return max(known, key=lambda one: severity(one[1]), default=None)
+    return max(verdicts, key=lambda pair: severity(pair[1]), default=None)
 
 
 VERDICT = Answer[Verdicts](
@@ -220,7 +220,7 @@ VERDICT = Answer[Verdicts](
     "verdict on the requirement",
     _compute,
     Verdicts(),
-    of_load=lambda load, n, found: load.with_values(judgement=found.of_loads[n]) if found.of_loads else load,
+    of_load=lambda load, n, value: load.with_values(judgement=value.of_loads[n]) if value.of_loads else load,
     needs=("case.requirement",),
 )
 
@@ -264,10 +264,10 @@ def forces_for_verdict(
     root looked for again with that, until such a run passes and one with 3 % less force would not.
     """
     problem, case = result.problem, result.case
-    first = {load.fluid_pressure: load for load in reversed(result.loads)}
-    sought = {
+    by_pressure = {load.fluid_pressure: load for load in reversed(result.loads)}
+    sampled_loads = {
         pressure: load
-        for pressure, load in first.items()
+        for pressure, load in by_pressure.items()
         if not (problem.origin.usual_only or (case.sampled is not None and load.sample_ends is None))
     }
     lowest, highest = sensible_forces(result.problems)
@@ -275,20 +275,20 @@ def forces_for_verdict(
         pressure: min(
             max(load.contact_force_for_target or load.contact_force, math.exp(lowest)), math.exp(highest)
         )
-        for pressure, load in sought.items()
+        for pressure, load in sampled_loads.items()
     }
     searches: dict[float, _Search] = {}
 
     def find(trials: Trials, start: float) -> Zero | None:
-        search = _Search(result, sought[trials.fluid_pressure], trials, alone, progress)
+        search = _Search(result, sampled_loads[trials.fluid_pressure], trials, alone, progress)
         searches[trials.fluid_pressure] = search
         return search.zero(start, [search.added_at_first()])
 
     ends = search_forces(result.problems, starts, find, progress) if starts else {}
-    found = {pressure: searches[pressure].force(zero) for pressure, (_, zero) in ends.items()}
+    forces = {pressure: searches[pressure].force(zero) for pressure, (_, zero) in ends.items()}
     no_interval = VerdictForce(None, sentence("verdict_force", "no_interval"))
     begins = _begins(problem)
-    return [replace(found.get(load.fluid_pressure, no_interval), begins=begins) for load in result.loads]
+    return [replace(forces.get(load.fluid_pressure, no_interval), begins=begins) for load in result.loads]
 
 
 @dataclass(frozen=True)
@@ -318,7 +318,7 @@ class _Search:
         """The smallest force that passes, or why there is none, from where the search without samples ended."""
         if zero is None:
             return VerdictForce(None, self._outside_everywhere())
-        added, low, high = [self.added_at_first()], -math.inf, math.inf
+        additions, low, high = [self.added_at_first()], -math.inf, math.inf
         passes: CaseLoad | None = None
         for _ in range(_MOST_RUNS):
             if zero is None or zero.end is not None:
@@ -331,26 +331,26 @@ class _Search:
                 high, passes = at, run
             else:
                 low = at
-            calculated = self._value(at)
-            added.append((at, value - (_LARGEST_EXCESS if calculated is None else calculated)))
+            nominal = self._value(at)
+            additions.append((at, value - (_LARGEST_EXCESS if nominal is None else nominal)))
             # one that is tried already spares the trial of the smallest that counts
-            less = [*(place for place in self.outcomes if at - _FORCE_STEP < place < at), at - _FORCE_STEP]
-            fails = (self._value_with(added, place) for place in less)
+            places = [*(place for place in self.outcomes if at - _FORCE_STEP < place < at), at - _FORCE_STEP]
+            fails = (self._value_with(additions, place) for place in places)
             if passes is not None and (
                 high - low <= 1.01 * _FORCE_STEP
-                or (high == at and any(one is None or one > 0.0 for one in fails))
+                or (high == at and any(excess is None or excess > 0.0 for excess in fails))
             ):
                 return _force_of(passes)
-            zero = self.zero(at, added)
+            zero = self.zero(at, additions)
         if passes is None:
             return VerdictForce(None, sentence("verdict_force", "not_found"))
         return _force_of(passes)
 
-    def zero(self, start: float, added: Sequence[Addition]) -> Zero | None:
+    def zero(self, start: float, additions: Sequence[Addition]) -> Zero | None:
         """Where the upper end comes down to the limit with what samples and mesh add."""
         lowest, highest = sensible_forces(self.result.problems)
         return find_zero(
-            partial(self._value_with, added), start, lowest=lowest, highest=highest, accuracy=_ACCURACY
+            partial(self._value_with, additions), start, lowest=lowest, highest=highest, accuracy=_ACCURACY
         )
 
     def _run_alone(self, at: float) -> CaseLoad | None:
@@ -366,12 +366,12 @@ class _Search:
     def added_at_first(self) -> Addition:
         """What the samples add at the load of the case."""
         at = math.log(max(self.load.contact_force, math.exp(sensible_forces(self.result.problems)[0])))
-        sampled, calculated = self.load.sample_ends, self.load.leak_range
+        samples, leak_range = self.load.sample_ends, self.load.leak_range
         rate = math.nan if self.load.leak is None else self.load.leak.leak_rate
-        most = self.load.theory_error.high * (rate if calculated is None else calculated[1])
-        if sampled is None or not (0.0 < most < math.inf and 0.0 < sampled[1] < math.inf):
+        largest = self.load.theory_error.high * (rate if leak_range is None else leak_range[1])
+        if samples is None or not (0.0 < largest < math.inf and 0.0 < samples[1] < math.inf):
             return at, 0.0
-        return at, max(math.log(sampled[1] / most), 0.0)
+        return at, max(math.log(samples[1] / largest), 0.0)
 
     def _excess(self, load: CaseLoad) -> float:
         """ln of the upper end over the limit, of several limits the largest; positive unless the verdict passes."""
@@ -382,9 +382,9 @@ class _Search:
         load = self._load(at)
         return None if load is None or load.validity.outside_theory else self._excess(load)
 
-    def _value_with(self, added: Sequence[Addition], at: float) -> float | None:
+    def _value_with(self, additions: Sequence[Addition], at: float) -> float | None:
         value = self._value(at)
-        return None if value is None else min(value + _extrapolate(added, at), _LARGEST_EXCESS)
+        return None if value is None else min(value + _extrapolate(additions, at), _LARGEST_EXCESS)
 
     def _load(self, at: float) -> CaseLoad | None:
         if at not in self.outcomes:
@@ -397,9 +397,9 @@ class _Search:
                 self.outcomes[at] = load_of_parts([*map(_with_validity, self.result.problems, load.parts)])
         return self.outcomes[at]
 
-    def _tell(self, tried: str) -> None:
+    def _tell(self, trial: str) -> None:
         at = short_quantity("fluid pressure", self.load.fluid_pressure)
-        self.progress(f"force with which the verdict passes at {at}: trying {tried}")
+        self.progress(f"force with which the verdict passes at {at}: trying {trial}")
 
     def _why_none(self, zero: Zero | None) -> str:
         if zero is None:
@@ -407,15 +407,15 @@ class _Search:
         if zero.end is End.LOWEST:
             return sentence("verdict_force", "any")
         highest = sensible_forces(self.result.problems)[1]
-        load, after = self._load(zero.place), self._load(min(zero.place + _ACCURACY, highest))
-        stopped = 0.0 if load is None else load.contact.stop_force
-        force = "that" if load is None else short_quantity("force", load.applied_force - stopped)
-        outside = after is not None and after.validity.outside_theory
-        kind = "stopped" if stopped else "outside" if outside else "strains"
-        ends = sentence("verdict_force", kind, load=after)
+        load, next_load = self._load(zero.place), self._load(min(zero.place + _ACCURACY, highest))
+        stop_force = 0.0 if load is None else load.contact.stop_force
+        force = "that" if load is None else short_quantity("force", load.applied_force - stop_force)
+        is_outside = next_load is not None and next_load.validity.outside_theory
+        kind = "stopped" if stop_force else "outside" if is_outside else "strains"
+        ends = sentence("verdict_force", kind, load=next_load)
         why = "" if load is None else load.leak_validity.leak_reason(more=True)
-        off = sentence("verdict_force", "off", why=why) if why else ""
-        return sentence("verdict_force", "more_leaks", force=force, off=off, ends=ends)
+        doubt = sentence("verdict_force", "off", why=why) if why else ""
+        return sentence("verdict_force", "more_leaks", force=force, off=doubt, ends=ends)
 
     def _outside_everywhere(self) -> str:
         reasons = [x.validity.reasons[0] for x in self.outcomes.values() if x and x.validity.outside_theory]
@@ -437,22 +437,22 @@ def _begins(problem: SealProblem) -> str:
     return sentence("verdict_force", "on_new") if problem.follows_path else ""
 
 
-def _extrapolate(added: Sequence[Addition], at: float) -> float:
+def _extrapolate(additions: Sequence[Addition], at: float) -> float:
     """What samples and mesh add at ln of a force, on a line through the last two that are known."""
-    last, value = added[-1]
-    if len(added) < 2 or abs(last - added[-2][0]) < _ABOVE_ROOT:
+    last, value = additions[-1]
+    if len(additions) < 2 or abs(last - additions[-2][0]) < _ABOVE_ROOT:
         return value
-    slope = (value - added[-2][1]) / (last - added[-2][0])
+    slope = (value - additions[-2][1]) / (last - additions[-2][0])
     return value + min(max(slope, -_STEEPEST), _STEEPEST) * (at - last)
 
 
-def _excess(found: LoadVerdict) -> float:
-    if found.verdict is Verdict.PASS:
-        return -min(math.log(found.margin), _LARGEST_EXCESS) if found.margin < math.inf else -_LARGEST_EXCESS
-    if not 0.0 < found.margin < 1.0:
+def _excess(claim: LoadVerdict) -> float:
+    if claim.verdict is Verdict.PASS:
+        return -min(math.log(claim.margin), _LARGEST_EXCESS) if claim.margin < math.inf else -_LARGEST_EXCESS
+    if not 0.0 < claim.margin < 1.0:
         # of what must not be seen there is no margin
-        return 1.0 if math.isnan(found.margin) else _LARGEST_EXCESS
-    return min(-math.log(found.margin), _LARGEST_EXCESS)
+        return 1.0 if math.isnan(claim.margin) else _LARGEST_EXCESS
+    return min(-math.log(claim.margin), _LARGEST_EXCESS)
 
 
 def _forces(seal: SolvedSeal, request: Request) -> Sequence[VerdictForce]:
@@ -472,13 +472,13 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     evaluations = evaluate_seal(under_loads(seal.problems, loads), clock=clock)
     alone = SolvedSeal.of(evaluations, seal.case, loads_of(evaluations))
 
-    def checked(one: SolvedSeal) -> CaseLoad:
-        problem, sizing, (load,) = one.problem, one.seal_mesh.sizing, one.loads
+    def with_accuracy(part: SolvedSeal) -> CaseLoad:
+        problem, sizing, (load,) = part.problem, part.seal_mesh.sizing, part.loads
         with clock.step("error", "estimating the discretisation error"):
             error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
         return _with_validity(problem, load.with_values(mesh_error=error))
 
-    load = load_of_parts([*map(checked, alone.parts)])
+    load = load_of_parts([*map(with_accuracy, alone.parts)])
     if seal.case.sampled is None or load.validity.outside_theory:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
@@ -491,7 +491,7 @@ VERDICT_FORCE = Answer[Sequence[VerdictForce]](
     (),
     # with bolts the force is none that somebody applies
     lambda seal, request: seal.case.bolts is None,
-    lambda load, number, found: load.with_values(verdict_force=found[number]) if found else load,
+    lambda load, number, forces: load.with_values(verdict_force=forces[number]) if forces else load,
     needs=("case.load.target_leak_rate", "problem.leaks"),
     asked_by="verdict_force",
 )

@@ -199,7 +199,7 @@ def _check_validity(
             judge = partial(load.validity_by, partial(by_table, usual_only=True), evaluations)
             load = load.with_values(validity=_calculate_or_default(judge, NOT_JUDGED))
     judgement = (
-        _calculate_or_default(partial(load_verdict, case, load, sampled=has_interval), None)
+        _calculate_or_default(partial(load_verdict, case, load, complete=has_interval), None)
         if "margin" in columns
         else None
     )

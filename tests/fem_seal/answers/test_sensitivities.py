@@ -236,7 +236,7 @@ def test_faces_that_nearly_fit_are_changed_by_half_of_their_difference():
     of = case(closure={**needle, **STEEL}, seat=cone("steel", "60 deg"))
     changes = {one.key: one for one in _ChangedSeal(SimpleNamespace(case=of), (0,))._dimensions()}
     for key in ("closure.angle", "seat.angle"):
-        step = changes[key].after(changes[key].step) - changes[key].before
+        step = changes[key].value_after(changes[key].step) - changes[key].before
         assert math.degrees(step) == pytest.approx(0.125)
 
 

@@ -148,7 +148,7 @@ def test_a_sample_that_does_not_converge_leaves_no_interval_without_a_finish():
     with pytest.raises(
         ConvergenceError, match="1 of 16 samples did not converge, the first because no contact"
     ):
-        leak_interval(rough_result(), Uncertainty(samples=16, hardness=TEN_PER_CENT), known=known)
+        leak_interval(rough_result(), Uncertainty(samples=16, hardness=TEN_PER_CENT), known_rates=known)
 
 
 @pytest.mark.slow
@@ -609,5 +609,5 @@ def test_a_path_outside_the_theory_is_not_repeated_for_samples(curve, outside, a
     seat = {"shape": "cone", "angle": "45 deg"}
     metal = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "2 GPa"} | hardening
     one = case(seat=seat | {"material": metal}, uncertainty={"hardness": {"relative": 0.1}})
-    seal = Mock(case=one, loads=[Mock(validity=Mock(outside=outside))])
+    seal = Mock(case=one, loads=[Mock(validity=Mock(outside_theory=outside))])
     assert module.UNCERTAINTY.applies(seal, Mock()) is asked

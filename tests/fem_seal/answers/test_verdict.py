@@ -673,12 +673,12 @@ def test_a_verdict_with_doubt_says_so_in_its_first_words():
 
 @pytest.mark.parametrize("ends", [(1e-12, 2e-12), (1e-6, 2e-6), (0.0, 0.0)])
 def test_without_its_interval_a_leak_rate_decides_nothing(ends):
-    judged = LoadVerdict.of(Limit("leak rate", 1e-9), ends, sampled=False)
+    judged = LoadVerdict.of(Limit("leak rate", 1e-9), ends, complete=False)
     assert (judged.verdict, judged.why) == (Verdict.INCONCLUSIVE, VerdictReason.UNSAMPLED)
     assert math.isnan(judged.margin)
-    far = LoadVerdict.of(Limit("leak rate", 1e-9), (1.01e-6, 1e-3), sampled=False)
+    far = LoadVerdict.of(Limit("leak rate", 1e-9), (1.01e-6, 1e-3), complete=False)
     assert (far.verdict, far.why) == (Verdict.FAIL, VerdictReason.FAR)
-    opened = LoadVerdict.of(Limit("leak rate", 1e-9), (math.inf, math.inf), sampled=False)
+    opened = LoadVerdict.of(Limit("leak rate", 1e-9), (math.inf, math.inf), complete=False)
     assert opened.verdict is Verdict.FAIL
 
 

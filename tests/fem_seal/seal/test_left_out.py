@@ -432,8 +432,8 @@ def test_a_spring_that_lifts_is_held_by_the_fluid(closing):
 
 
 def test_nothing_opens_a_seal_that_spring_and_fluid_close():
-    assert opening_margin(20e5, 0.0, "outer", held=-OPENS) is None
-    assert opening_margin(20e5, 100.0, "outer", held=-OPENS) is None
+    assert opening_margin(20e5, 0.0, "outer", edge=-OPENS) is None
+    assert opening_margin(20e5, 100.0, "outer", edge=-OPENS) is None
     assert opening_margin(20e5, 100.0, "inner", opens=math.inf) is None
     assert opening_margin(20e5, 100.0, "inner") is None
 
