@@ -148,9 +148,9 @@ def test_a_measured_profile_leaves_what_was_foretold(tmp_path, seed):
     (shares,) = found.error_shares
     assert shares.factor > 2.5 and shares.by_profiles.length == pytest.approx(5.6e-3)
     profile = "one measured profile of 5.6 mm of each face that has a drawing's finish"
-    assert dict(_measurements_worth_it(found, shares))[profile] == shares.by_profiles.variance
+    assert dict(_measurements_worth_it(found, shares))[profile] == shares.by_profiles.left
     (after,) = fem_seal.run(measured(finished(), tmp_path, seed)).error_shares
-    assert after.factor == pytest.approx(shares.by_profiles.variance, rel=0.15)
+    assert after.factor == pytest.approx(shares.by_profiles.left, rel=0.15)
 
 
 @pytest.mark.slow
