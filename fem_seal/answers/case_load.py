@@ -287,7 +287,7 @@ class CaseLoad(LoadResult):
         By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
         conductivity is itself simulated, and for the paper's theory, which does not know its error.
         """
-        surface = None if self.rough is None or self.rough.simulated else self.rough.surface
+        surface = None if self.rough is None or self.rough.is_direct else self.rough.surface
         if surface is None or not surface.knows_deviation or not self.peak_pressure > 0.0:
             return None
         # a lay stretches waves one way and shortens them as much the other
@@ -573,7 +573,7 @@ class SolvedSeal:
                 evaluation.seal_mesh,  # type: ignore[arg-type]
                 evaluation.model,
                 of_part,
-                evaluation.solved_loads.unloaded,
+                evaluation.solved_loads.unloaded_bodies,
             )
             for part, evaluation, of_part in zip(
                 case.parts, evaluations, zip(*(load.parts for load in loads), strict=True), strict=True

@@ -81,7 +81,7 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
     What is wrong with its map or its pressures is then said before minutes are spent on anything else.
     """
     surface = problem.surface
-    simulated = None if problem.flow is None else problem.flow.simulated
+    simulated = None if problem.flow is None else problem.flow.direct
     if simulated is None or surface is None:
         return
     with clock.step("direct", "direct simulation of the surface"):
@@ -185,7 +185,7 @@ def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, tells: bool 
     for text in foresee_findings(first) if tells else ():
         clock.progress(text)
     _simulate(first, clock)
-    refused_loads = first.loads.refused
+    refused_loads = first.loads.refusals
     if refused_loads:  # else the problems keep their laws
         problems = under_loads(problems, first.loads.without_loads(refused_loads))
     parts = evaluate_seal(problems, clock=clock)

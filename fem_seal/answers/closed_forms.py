@@ -177,7 +177,7 @@ def _derive_from_forces(problems: Sequence[SealProblem], forces: Sequence[float 
     """Of a contact force F_N for each load [N], or of the one that is expected; of several problems the first one's."""
     problem, surface = problems[0], problems[0].surface
     loads = tuple(
-        _derive_load(problems, *point, force, profiles=number not in problem.loads.refused)
+        _derive_load(problems, *point, force, profiles=number not in problem.loads.refusals)
         for number, (point, force) in enumerate(zip(problem.loads.points, forces, strict=True))
     )
     decay_length, law_pressure = exponential_law(problem.interface, surface)
@@ -398,7 +398,7 @@ def foresee_findings(problem: SealProblem, forms: ClosedForms | None = None) -> 
     forms : ClosedForms, optional
         Of the same problem.
     """
-    yield from (finding.text for finding in not_calculated(problem.loads, problem.loads.refused))
+    yield from (finding.text for finding in not_calculated(problem.loads, problem.loads.refusals))
     yield from foresee_yielding(problem, forms or derive_problems([problem]))
 
 
@@ -413,7 +413,7 @@ def run_seconds(problem: SealProblem, *, samples: bool = False, target: bool = F
     target : bool
         With the force for a target leak rate.
     """
-    loads = problem.loads.without_loads(problem.loads.refused)
+    loads = problem.loads.without_loads(problem.loads.refusals)
     if not (problem.curves and loads.points):
         return None
     return (1.0 + _FOR_SAMPLES * samples + _FOR_TARGET * target) * _seconds(replace(problem, loads=loads))

@@ -278,8 +278,8 @@ class _ChangedSeal:
         base, forces = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
         points = tuple((base[n][0], base[n][1] + forces.get(n, 0.0)) for n in self._order(problems[0]))
         # bolts keep the force that they have at this load
-        loads = replace(problems[0].loads, points=points, refused={}, target_leak_rate=None)
-        return under_loads(problems, replace(loads, bolts_solved=True, tightened=()))
+        loads = replace(problems[0].loads, points=points, refusals={}, target_leak_rate=None)
+        return under_loads(problems, replace(loads, bolts_solved=True, preloads=()))
 
     def _order(self, problem: SealProblem) -> tuple[int, ...]:
         """Numbers of the loads that are solved, those in question at the end.
@@ -425,7 +425,7 @@ class _ChangedSeal:
         """Heights, hardness, modulus and, of a self-affine spectrum, its shape; none of a simulated surface."""
         surface, roughness = self.problem.surface, self.case.roughness
         assert surface is not None and roughness is not None and self.problem.flow is not None  # of `leaks`
-        if self.problem.flow.simulated is not None:
+        if self.problem.flow.direct is not None:
             return
         # of a drawing the heights that it gives are halved, and not the rms height of the gap
         heights = self._drawn
@@ -535,7 +535,7 @@ class _ChangedSeal:
         bodies = {body.key: body.table.material for body in self._bodies}
         bodies |= {self.case.key_of(name): material for name, material in self.problem.materials.items()}
         for body, material in bodies.items():
-            if material.hardening is not None or self.problem.flow.simulated is not None:
+            if material.hardening is not None or self.problem.flow.direct is not None:
                 continue
             for name in _MATERIALS:
                 if name != material.name:

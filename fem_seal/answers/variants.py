@@ -55,7 +55,8 @@ def loads_in(problem: SealProblem, seal: SolvedSeal) -> list[CaseLoad | None]:
     else:
         solver = LoadSolver(problem, seal.model)
         starts = solver.pressings()
-        outcome = solve_loads(solver, pressed=dict(zip(starts, solve_many([*starts.values()]), strict=True)))
+        contacts = dict(zip(starts, solve_many([*starts.values()]), strict=True))
+        outcome = solve_loads(solver, pressed_contacts=contacts)
         numbers = [number for number in numbers if number not in outcome.failures]
     loads = [seal.loads[number] for number in numbers]
     results = outcome.results(problem, [load.point for load in loads])
@@ -146,7 +147,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
             else:
                 (contact,) = solve_again([contact], solver.model, variant.law)
             circumference = variant.circumference(contact)
-            bare = load_results(variant, [load.point], [contact], [circumference], alike=table_contacts)
+            bare = load_results(variant, [load.point], [contact], [circumference], others=table_contacts)
             (result,) = case_loads(variant, bare)
         others = {name: x.leak.leak_rate for name, x in result.others.items() if x.leak is not None}
         variants.append(replace(Comparison.of(name, contact, result.leak), others=others))

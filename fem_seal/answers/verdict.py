@@ -467,7 +467,7 @@ def _forces(seal: SolvedSeal, request: Request) -> Sequence[VerdictForce]:
 def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_force: float) -> CaseLoad:
     """One load of a case that has no other, with validity, mesh error and samples."""
     point = fluid_pressure, applied_force
-    loads = replace(seal.problem.loads, points=(point,), refused={}, target_leak_rate=None)
+    loads = replace(seal.problem.loads, points=(point,), refusals={}, target_leak_rate=None)
     clock = Clock(progress)
     evaluations = evaluate_seal(under_loads(seal.problems, loads), clock=clock)
     alone = SolvedSeal.of(evaluations, seal.case, loads_of(evaluations))

@@ -295,8 +295,8 @@ def load_path(
     except ConvergenceError as error:
         path = LoadPath(tuple(contacts), None, failure or error, open_loads)
         raise ConvergenceError(str(error), partial=path) from error
-    unloaded = UnloadedBodies(model, rest.further, bodies, virgin, balance.states)
-    return LoadPath(tuple(contacts), unloaded, failure, open_loads)
+    unloaded_bodies = UnloadedBodies(model, rest.further, bodies, virgin, balance.states)
+    return LoadPath(tuple(contacts), unloaded_bodies, failure, open_loads)
 
 
 def _with_bodies(
@@ -556,10 +556,10 @@ class _Walk:
             pass
         return OpenLoad(error, model)
 
-    def _failure(self, at: PathLoad, aim: PathLoad, now: Equilibrium, error: Exception) -> ConvergenceError:
+    def _failure(self, at: PathLoad, aim: PathLoad, state: Equilibrium, error: Exception) -> ConvergenceError:
         """Error of a load step that is as small as can be and not solved."""
-        if self._gives_way(at, aim, now):
-            return self._limit_load(at, now)
+        if self._gives_way(at, aim, state):
+            return self._limit_load(at, state)
         why = error if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
         return ConvergenceError(
             f"elastoplastic contact: the load step from {at} to {aim} does not converge: {why}. The body may be "

@@ -369,7 +369,7 @@ def _newton(
     """
     with np.errstate(over="raise", invalid="raise", under="ignore"):
         if states:
-            v, d = np.stack([one for one, _ in states]), np.array([[one] for _, one in states])
+            v, d = np.stack([log_p for log_p, _ in states]), np.array([[d] for _, d in states])
         else:
             v, d = _first_guess(rows, floor)
         d = np.minimum(d, rows.model.stop)
@@ -380,8 +380,8 @@ def _newton(
             hardest = rows.hardest(floor, at_v, at_d)
             decay = rows.decay_length(at_v) + hardest
             gap_residual, missing_force, worst = _residual(rows, hardest, at_v, at_d, decay, settings)
-            for number, one in zip(pending.tolist(), worst.tolist(), strict=True):
-                residuals[number].append(one)
+            for number, residual in zip(pending.tolist(), worst.tolist(), strict=True):
+                residuals[number].append(residual)
             at_stop = at_d[:, 0] >= rows.model.stop
             unheld = np.where(at_stop, np.minimum(missing_force, 0.0), missing_force)
             is_within = (worst < settings.gap_tolerance) & (

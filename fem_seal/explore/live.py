@@ -65,7 +65,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     }
     missing_loads = [
         MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)
-        for n, problem in sorted({**whole.loads.refused, **failures}.items())
+        for n, problem in sorted({**whole.loads.refusals, **failures}.items())
     ]
     seal = answer_parts(
         replace(seal, loads=tuple(loads[:count]), missing_loads=tuple(missing_loads)), request, [VERDICT]
@@ -83,7 +83,7 @@ def live_loads(whole: SealProblem) -> list[int]:
         With all its loads.
     """
     points = whole.loads.points
-    numbers = [number for number in range(len(points)) if number not in whole.loads.refused]
+    numbers = [number for number in range(len(points)) if number not in whole.loads.refusals]
     limit = _LIVE_LOADS_OF_GAS if _of_gas(whole) else _LIVE_LOADS
     if whole.follows_path or len(numbers) <= limit:
         return numbers

@@ -98,7 +98,7 @@ class Circumference:
         """Least and largest leak rate that scratches and lay add [m^3/s]; None without any."""
         if not self.bounds:
             return None
-        least, largest = zip(*(one.extra for one in self.bounds), strict=True)
+        least, largest = zip(*(bound.extra for bound in self.bounds), strict=True)
         return sum(least), sum(largest)
 
     @property
@@ -144,10 +144,11 @@ class Circumference:
         """Profile at every `step`-th angle, with what it remembers."""
         pressures, gaps = self.pressure_and_gap(step)
         mean = replace(self.local.mean.profile, largest=None)
-        found = [replace(mean, pressure=p, gap=gap) for p, gap in zip(pressures, gaps, strict=True)]
+        profiles = [replace(mean, pressure=p, gap=gap) for p, gap in zip(pressures, gaps, strict=True)]
         if self.before is None:
-            return found
-        return [now.after(then.pressure) for now, then in zip(found, self.before.profiles(step), strict=True)]
+            return profiles
+        pairs = zip(profiles, self.before.profiles(step), strict=True)
+        return [profile.after(larger.pressure) for profile, larger in pairs]
 
     def with_leak(self, curve: LeakCurve) -> Circumference:
         """The same with its leak.
@@ -168,15 +169,15 @@ class Circumference:
                 f"the form error parts the surfaces over {share_text(apart)} of the circumference, and with "
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "spectrum"'
             )
-        each, most = curve.leak_rates(self.line_load, self.before)
+        rates, most = curve.leak_rates(self.line_load, self.before)
         bounds = tuple(
             curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]) for placed in self.form.grooves
         )
-        total = float(each.mean()) + sum(one.largest_extra for one in bounds)
+        total = float(rates.mean()) + sum(bound.largest_extra for bound in bounds)
         if bounds and not most.leak_rate > 0:
             # nothing flows through the roughness, but along the grooves
-            most = max((one.upper for one in bounds), key=lambda one: one.leak_rate).above_outlet
-        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), bounds=bounds)
+            most = max((bound.upper for bound in bounds), key=lambda bound: bound.leak_rate).above_outlet
+        return replace(self, leak_rate=rates / (2 * math.pi), leak=most.scaled(total), bounds=bounds)
 
     def profile_at(self, angle: float | None) -> PressureProfile:
         """Pressure profile at an angle around the axis [rad], or at the mean line load."""
@@ -185,8 +186,8 @@ class Circumference:
             if angle is None
             else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
         )
-        now = self.local.profile(float(f))
-        return now if self.before is None else now.after(self.before.profile_at(angle).pressure)
+        profile = self.local.profile(float(f))
+        return profile if self.before is None else profile.after(self.before.profile_at(angle).pressure)
 
 
 @dataclass(eq=False)
@@ -237,23 +238,23 @@ class LeakCurve:
             step = np.array(corner)[:, None]
             weight = np.prod(np.where(step == 1.0, v - below, 1.0 - (v - below)), axis=0)
             places, which = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
-            found = [self._flow_after_load(float(now), float(then), before.local) for now, then in places.T]
-            firsts = [self._flow_at(float(now)).leak_rate for now in places[0]]
-            left = [
+            corner_flows = [self._flow_after_load(float(a), float(b), before.local) for a, b in places.T]
+            firsts = [self._flow_at(float(f)).leak_rate for f in places[0]]
+            shares = [
                 flow.leak_rate / first if first > 0 else 1.0
-                for flow, first in zip(found, firsts, strict=True)
+                for flow, first in zip(corner_flows, firsts, strict=True)
             ]
-            log_share += weight * np.log(np.maximum(left, _NO_FLOW))[which.ravel()]
-            flows += found
+            log_share += weight * np.log(np.maximum(shares, _NO_FLOW))[which.ravel()]
+            flows += corner_flows
         return np.exp(log_share), max(flows, key=lambda flow: flow.leak_rate)
 
     def _flow_after_load(self, log_share: float, log_before: float, before: LocalContact) -> LeakResult:
         if (log_share, log_before) not in self._flows_after_load:
-            now, then = (
+            profile, larger = (
                 local.profile(local.mean.line_load * math.exp(v))
                 for local, v in ((self.local, log_share), (before, log_before))
             )
-            self._flows_after_load[log_share, log_before] = self.flow.leak(now.after(then.pressure))
+            self._flows_after_load[log_share, log_before] = self.flow.leak(profile.after(larger.pressure))
         return self._flows_after_load[log_share, log_before]
 
     def _rates_of_new_faces(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
@@ -267,9 +268,9 @@ class LeakCurve:
         rounded = _ENDS * math.floor(lowest / _ENDS), _ENDS * math.ceil(highest / _ENDS)
         # rounded ranges are those of other forms as well, but may reach to where it is sealed
         for low, high in (rounded, (lowest, highest)):
-            found = self._polynomial_rates(low, high, v)
-            if found is not None:
-                return found, self._flow_at(low)
+            smooth_rates = self._polynomial_rates(low, high, v)
+            if smooth_rates is not None:
+                return smooth_rates, self._flow_at(low)
         rungs = _rungs(float(v.min()), float(v.max()))
         flows = self._flows_at(rungs)
         rates = np.array([flow.leak_rate for flow in flows])
@@ -283,19 +284,19 @@ class LeakCurve:
         """
         if high - low > _WIDEST or not self._flow_at(high).leak_rate > 0:
             return None
-        first, last, at = (np.exp(_POWER * one) for one in (low, high, v))
+        first, last, at = (np.exp(_POWER * log_f) for log_f in (low, high, v))
         for parts in _PARTS:
             places = first + (last - first) * np.array(_shares(parts))
             rungs = np.array([low, *np.log(places[1:-1]) / _POWER, high])
             log_rates = np.log([flow.leak_rate for flow in self._flows_at(rungs.tolist())])
-            off, found = _polynomials(places, log_rates, at)
+            off, rates = _polynomials(places, log_rates, at)
             if off < _AGREE:
-                return found
+                return rates
             at_rungs, at_v = self._log_conductivity(rungs), self._log_conductivity(v)
             if np.isfinite(at_rungs).all():
-                off, found = _polynomials(places, log_rates - at_rungs, at, at_v)
+                off, rates = _polynomials(places, log_rates - at_rungs, at, at_v)
                 if off < _AGREE_OF_RATIO:
-                    return found
+                    return rates
         return None
 
     def _log_conductivity(self, v: FloatArray) -> FloatArray:
@@ -316,15 +317,15 @@ class LeakCurve:
 
 
 def _polynomials(
-    places: FloatArray, y: FloatArray, at: FloatArray, known: FloatArray | float = 0.0
+    places: FloatArray, y: FloatArray, at: FloatArray, base: FloatArray | float = 0.0
 ) -> tuple[float, FloatArray]:
     """exp of the polynomial through y plus what is known, and its mean change without the highest degrees."""
     degree = len(places) - 1
     through = Chebyshev.fit(places, y, degree, (float(places[0]), float(places[-1])))
-    found = np.exp(known + through(at))
-    less = (np.exp(known + through.truncate(degree + 1 - n)(at)) for n in (1, 2))
-    one, two = (float(np.abs(rates - found).mean() / found.mean()) for rates in less)
-    return max(one, _OF_TWO * two), found
+    values = np.exp(base + through(at))
+    less = (np.exp(base + through.truncate(degree + 1 - n)(at)) for n in (1, 2))
+    first, second = (float(np.abs(rates - values).mean() / values.mean()) for rates in less)
+    return max(first, _OF_TWO * second), values
 
 
 def _shares(parts: int) -> list[float]:
@@ -355,7 +356,7 @@ def _interpolate_rates(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> F
 
 
 def solve_both_around(
-    form: FormError, local: LocalContact, before: LocalContact | None, near: Circumference | None = None
+    form: FormError, local: LocalContact, before: LocalContact | None, start: Circumference | None = None
 ) -> Circumference:
     """`solve_around`, and with it the same form under the largest load before.
 
@@ -365,22 +366,22 @@ def solve_both_around(
     local : LocalContact
     before : LocalContact or None
         Under the larger load; None where none is known.
-    near : Circumference, optional
+    start : Circumference, optional
         See `solve_around`.
 
     Raises
     ------
     ConvergenceError
     """
-    found = solve_around(form, local, near)
+    circumference = solve_around(form, local, start)
     if before is None:
-        return found
+        return circumference
     # the waves that fill a tolerance are not known beforehand
-    near_before = near.before if near is not None and form.tolerance is None else None
-    return replace(found, before=solve_around(found.form, before, near_before))
+    start_before = start.before if start is not None and form.tolerance is None else None
+    return replace(circumference, before=solve_around(circumference.form, before, start_before))
 
 
-def solve_around(form: FormError, local: LocalContact, near: Circumference | None = None) -> Circumference:
+def solve_around(form: FormError, local: LocalContact, start: Circumference | None = None) -> Circumference:
     """Line load around the axis of a seal with a form error.
 
     Parameters
@@ -389,7 +390,7 @@ def solve_around(form: FormError, local: LocalContact, near: Circumference | Non
         A tolerance is filled by the number of waves that hurts most.
     local : LocalContact
         At the mean line load, and at any other.
-    near : Circumference, optional
+    start : Circumference, optional
         Of a form error with the same waves, whose line load is close: where this one is looked for.
 
     Raises
@@ -399,7 +400,7 @@ def solve_around(form: FormError, local: LocalContact, near: Circumference | Non
     if form.tolerance is not None:
         return min(
             (solve_around(form.with_waves(number), local) for number in form.tolerance.candidates),
-            key=lambda one: one.least_over_mean,
+            key=lambda circumference: circumference.least_over_mean,
         )
     mean, repeats = local.mean, form.symmetry
     size = ANGLES_PER_WAVE * max(form.highest // repeats, 1)
@@ -419,7 +420,7 @@ def solve_around(form: FormError, local: LocalContact, near: Circumference | Non
         mean.line_load,
         symmetry=repeats,
         guided=form.guided,
-        start=None if near is None else mean.line_load * near.over_mean[:size],
+        start=None if start is None else mean.line_load * start.over_mean[:size],
     )
     modes = np.fft.rfft(f)
     felt = range(2 if repeats == 1 and not form.guided else 1, stiffening.highest // repeats + 1)
@@ -433,8 +434,8 @@ def solve_around(form: FormError, local: LocalContact, near: Circumference | Non
 
 def _highest_harmonic(form: FormError) -> int:
     """Highest harmonic of the line load to which the bodies' own answer is calculated."""
-    total = sum(abs(one.amplitude) for one in form.felt_waves)
-    strong = max(one.waves for one in form.felt_waves if abs(one.amplitude) > _STRONG * total)
+    total = sum(abs(wave.amplitude) for wave in form.felt_waves)
+    strong = max(wave.waves for wave in form.felt_waves if abs(wave.amplitude) > _STRONG * total)
     return max(_PERIODS * form.symmetry if form.symmetry > 1 else _HARMONICS, strong)
 
 

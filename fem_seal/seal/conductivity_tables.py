@@ -70,7 +70,7 @@ def family_table(
     tables : sequence, optional
         Those of `family_tables`, if they have been made already.
     """
-    if flow.simulated is not None:
+    if flow.direct is not None:
         return None
     if tables is None:
         return _table_from(surface, flow.gas is not None)
@@ -198,8 +198,8 @@ def _interpolate_tables(tables: tuple[Conductivity, ...], t: float) -> Conductiv
     if not of_gas:
         return liquid
     log_R: FloatArray = np.zeros((len(liquid.pressure), of_gas[0].log_inverse_knudsen.size))
-    for weight, one in zip(weights, of_gas, strict=True):
-        log_R += weight * one.log_rarefaction[: len(liquid.pressure)]
+    for weight, table in zip(weights, of_gas, strict=True):
+        log_R += weight * table.log_rarefaction[: len(liquid.pressure)]
     return GasConductivityTable(liquid, log_R, of_gas[0].log_inverse_knudsen)
 
 

@@ -97,8 +97,8 @@ def seconds(case: CaseTables) -> float:
     0.008
     """
     heat = case.temperature is not None and bool(case.temperature.faces)
-    simulated = case.direct if case.leak.conductivity == "direct" else None
-    maps = 0.0 if simulated is None else _map_seconds(simulated)
+    direct = case.direct if case.leak.conductivity == "direct" else None
+    maps = 0.0 if direct is None else _map_seconds(direct)
     return (
         len(case.load.path) * load_seconds(case)
         + (OWN if heat or yields(case) else 0.0)
@@ -107,7 +107,7 @@ def seconds(case: CaseTables) -> float:
     )
 
 
-def _map_seconds(simulated: Direct) -> float:
-    pressures = len(simulated.path or range(8))
-    flows = _FLOWS if simulated.asperities == "von-mises" else 1.0
-    return _POINT * flows * simulated.points**2 * simulated.samples * pressures
+def _map_seconds(direct: Direct) -> float:
+    pressures = len(direct.path or range(8))
+    flows = _FLOWS if direct.asperities == "von-mises" else 1.0
+    return _POINT * flows * direct.points**2 * direct.samples * pressures

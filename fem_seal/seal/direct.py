@@ -141,13 +141,13 @@ class DirectSettings:
             yield_stress=self.yield_stress_of(surface) if self.asperities == "von-mises" else None,
         )
         surface = surface.elastic if self.asperities == "elastic" else surface
-        found = DirectSimulation(surface, patch, settings, heights)
+        simulation = DirectSimulation(surface, patch, settings, heights)
         if self.pressures:
-            return found
-        held = found.patch_surface
-        if settings.yield_stress is not None and held.hardness is None:
-            held = replace(held, hardness=HARDNESS_OVER_YIELD_STRESS * settings.yield_stress)
-        return replace(found, settings=replace(settings, pressures=usual_pressures(held)))
+            return simulation
+        rough = simulation.patch_surface
+        if settings.yield_stress is not None and rough.hardness is None:
+            rough = replace(rough, hardness=HARDNESS_OVER_YIELD_STRESS * settings.yield_stress)
+        return replace(simulation, settings=replace(settings, pressures=usual_pressures(rough)))
 
     def yield_stress_of(self, surface: RoughContact) -> float | None:
         """Of metal that flows [Pa]; None where no hardness says it.
@@ -171,12 +171,12 @@ class DirectSettings:
         jobs, progress
             See `simulate_surface`.
         """
-        known = self._tables
+        tables = self._tables
         # the reading of asperities that yield is the theory's, not the simulation's
         of = surface.capped
-        if of not in known:
-            known[of] = simulate_surface(self.of(of), jobs=jobs, progress=progress)
-        return known[of]
+        if of not in tables:
+            tables[of] = simulate_surface(self.of(of), jobs=jobs, progress=progress)
+        return tables[of]
 
     @cached_property
     def _tables(self) -> dict[RoughContact, DirectTable]:
@@ -252,9 +252,9 @@ class DirectSimulation:
         if self.takes_minutes:
             path, back = tuple(sorted(set(pressures))), tuple(sorted(set(unload), reverse=True))
             return [*(Piece(sample, "load", path, back) for sample in samples), Piece(0, "cutoff", path)]
-        found = [Piece(sample, "load", (p,)) for p in pressures for sample in samples]
-        found += [Piece(0, "cutoff", (p,)) for p in pressures]
-        return found + [Piece(sample, "unload", unload) for sample in samples if unload]
+        pieces = [Piece(sample, "load", (p,)) for p in pressures for sample in samples]
+        pieces += [Piece(0, "cutoff", (p,)) for p in pressures]
+        return pieces + [Piece(sample, "unload", unload) for sample in samples if unload]
 
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
@@ -388,8 +388,8 @@ class PressedMap(NamedTuple):
 
     def flow(self) -> tuple[Flow, Streams]:
         """Flow from its first row to its last, and where it goes."""
-        found = patch_flow(self.gap)
-        return found, streams(self.gap, found)
+        flow = patch_flow(self.gap)
+        return flow, streams(self.gap, flow)
 
     @classmethod
     def read(cls, text: str) -> PressedMap:
@@ -584,13 +584,13 @@ class DirectTable:
         low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
         if self.simulation.settings.yield_stress is not None:
             high += LOAD_STEP_ERROR
-        before = [one for one in self.loading if one.pressure < row.pressure]
-        if before:
-            step = 3.0 * math.log(before[-1].effective_gap / row.effective_gap)
-            high = min(high, max(scatter, step + self.log_error(before[-1])[1]))
+        lower = [other for other in self.loading if other.pressure < row.pressure]
+        if lower:
+            step = 3.0 * math.log(lower[-1].effective_gap / row.effective_gap)
+            high = min(high, max(scatter, step + self.log_error(lower[-1])[1]))
         elif math.isinf(high):
-            known = [] if theory is None else map(theory.cutoff_factor, theory.gap)
-            high = scatter + max([math.log(_UNKNOWN), *(math.log(one) for one in known if one > 1.0)])
+            ratios = [] if theory is None else map(theory.cutoff_factor, theory.gap)
+            high = scatter + max([math.log(_UNKNOWN), *(math.log(ratio) for ratio in ratios if ratio > 1.0)])
         return low, high
 
     def ends(self, row: DirectRow) -> tuple[float, float]:
@@ -607,8 +607,8 @@ class DirectTable:
         if row.open_samples:
             low, high = self.log_error(row)
             return row.effective_gap * math.exp(-low / 3.0), row.effective_gap * math.exp(high / 3.0)
-        before = [one for one in self.loading if one.pressure < row.pressure]
-        return 0.0, self.ends(before[-1])[1] if before else math.nan
+        lower = [other for other in self.loading if other.pressure < row.pressure]
+        return 0.0, self.ends(lower[-1])[1] if lower else math.nan
 
     def _scatter(self, row: DirectRow) -> float:
         """Two standard errors of the mean of ln conductivity [-].
@@ -621,10 +621,10 @@ class DirectTable:
         if row.samples == 1:
             ratio = abs(row.log_directions) if self.simulation.settings.direction == "both" else 0.0
             return _SIGMAS * 0.5 * ratio if math.isfinite(ratio) else math.log(_UNKNOWN)
-        found = row.log_scatter
+        scatter = row.log_scatter
         if row.open_samples == 1:
-            found = max((one.log_scatter for one in self.loading if one.open_samples > 1), default=0.0)
-        return _SIGMAS * found / math.sqrt(row.open_samples)
+            scatter = max((x.log_scatter for x in self.loading if x.open_samples > 1), default=0.0)
+        return _SIGMAS * scatter / math.sqrt(row.open_samples)
 
     def conductivity_table(
         self, p_min: float, p_max: float, num: int | None = None, end: int = 0
@@ -645,17 +645,17 @@ class DirectTable:
         """
         from scipy.interpolate import PchipInterpolator
 
-        held = self.simulation.patch_surface.capped
-        theory = held.conductivity_table(p_min, p_max, num or _TABLE_PRESSURES)
+        surface = self.simulation.patch_surface.capped
+        theory = surface.conductivity_table(p_min, p_max, num or _TABLE_PRESSURES)
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])
         if end:
             u = np.array([self.ends(row)[0 if end < 0 else 1] for row in self.loading])
-        factor = np.log(u / np.asarray(held.effective_separation(p)))
-        simulated = theory.table_log_p(np.log(p))
-        at = np.clip(np.log(theory.pressure), simulated[0], simulated[-1])
+        factor = np.log(u / np.asarray(surface.effective_separation(p)))
+        log_p = theory.table_log_p(np.log(p))
+        at = np.clip(np.log(theory.pressure), log_p[0], log_p[-1])
         # with one pressure the factor is the same everywhere
-        correction = PchipInterpolator(simulated, factor)(at) if p.size > 1 else factor[0]
+        correction = PchipInterpolator(log_p, factor)(at) if p.size > 1 else factor[0]
         separation = theory.separation * np.exp(correction)
         # samples scatter, but no more flows at a higher pressure
         falling = np.minimum.accumulate(separation) * (1.0 - 1e-9 * np.arange(separation.size))
@@ -707,10 +707,10 @@ def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray)
             )
         before = p
         assert state is not None  # pressures are above zero
-        drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
-        pressed = PressedMap(state.gap, state.pressure > 0.0, state.has_yielded)
+        is_drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
+        pressed_map = PressedMap(state.gap, state.pressure > 0.0, state.has_yielded)
         yield _record(simulation, state.contact)._replace(
-            yielded_area=state.yielded_area, map=pressed.text if drawn else ""
+            yielded_area=state.yielded_area, map=pressed_map.text if is_drawn else ""
         )
 
 
@@ -721,23 +721,23 @@ def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
     return PieceRecord(*numbers, tuple(quantiles.tolist()), tuple(counts.tolist()))
 
 
-def _combine_records(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:
-    found = {
+def _combine_records(simulation: DirectSimulation, records_of: dict[Piece, list[PieceRecord]]) -> DirectTable:
+    record_of = {
         state: record
-        for piece, records in known.items()
+        for piece, records in records_of.items()
         for state, record in zip(piece.states, records, strict=True)
     }
     loads: list[tuple[Branch, float]] = [("load", p) for p in sorted(simulation.settings.pressures)]
     loads += [("unload", p) for p in sorted(simulation.settings.unload, reverse=True)]
     rows, densities = [], []
     for branch, p in loads:
-        records = [found[branch, sample, p] for sample in range(simulation.settings.samples)]
-        cutoff = found["cutoff", 0, p] if branch == "load" else None
+        records = [record_of[branch, sample, p] for sample in range(simulation.settings.samples)]
+        cutoff = record_of["cutoff", 0, p] if branch == "load" else None
         rows.append(_row(simulation, branch, p, records, cutoff))
-        counts = np.sum([one.gap_counts for one in records], axis=0)
+        counts = np.sum([item.gap_counts for item in records], axis=0)
         cells = len(records) * simulation.patch.points**2
         densities.append(counts / cells / np.diff(simulation.gap_edges))
-    maps = {p: text for (branch, _, p), record in found.items() if branch == "load" and (text := record.map)}
+    maps = {p: text for (branch, _, p), x in record_of.items() if branch == "load" and (text := x.map)}
     return DirectTable(simulation, tuple(rows), np.array(densities), maps)
 
 
@@ -748,8 +748,8 @@ def _row(
     records: Sequence[PieceRecord],
     cutoff: PieceRecord | None,
 ) -> DirectRow:
-    area, gap = (np.array([getattr(one, name) for one in records]) for name in ("contact_area", "mean_gap"))
-    cubed = np.array([simulation.gap_cubed(one) for one in records])
+    area, gap = (np.array([getattr(x, name) for x in records]) for name in ("contact_area", "mean_gap"))
+    cubed = np.array([simulation.gap_cubed(record) for record in records])
     logs = np.log(cubed[cubed > 0.0])
     several, first = len(records) > 1, float(cubed[0])
     return DirectRow(
@@ -758,10 +758,10 @@ def _row(
         largest_pressure=max(simulation.settings.pressures) if cutoff is None else pressure,
         contact_area=float(area.mean()),
         contact_area_scatter=float(area.std(ddof=1)) if several else math.nan,
-        yielded_area=float(np.mean([one.yielded_area for one in records])),
+        yielded_area=float(np.mean([record.yielded_area for record in records])),
         mean_gap=float(gap.mean()),
         mean_gap_scatter=float(gap.std(ddof=1)) if several else math.nan,
-        gap_quantiles=tuple(np.mean([one.gap_quantiles for one in records], axis=0).tolist()),
+        gap_quantiles=tuple(np.mean([record.gap_quantiles for record in records], axis=0).tolist()),
         effective_gap=float(np.exp(logs.mean() / 3.0)) if logs.size else 0.0,
         log_scatter=float(logs.std(ddof=1)) if logs.size > 1 else math.nan,
         blocked=int(np.count_nonzero(cubed == 0.0)),
@@ -779,12 +779,12 @@ def _log_ratio(first: float, second: float) -> float:
 
 
 def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:
-    held, whole, readings = simulation.patch_surface, simulation.surface, READINGS["paper"]
+    patch, surface, readings = simulation.patch_surface, simulation.surface, READINGS["paper"]
     return TheoryRow(
-        contact_area=float(held.capped.contact_area(pressure)),
-        mean_gap=float(held.capped.mean_separation(pressure)),
-        gap={one: float(held.reading(one).effective_separation(pressure)) for one in readings},
-        whole={one: float(whole.reading(one).effective_separation(pressure)) for one in readings},
+        contact_area=float(patch.capped.contact_area(pressure)),
+        mean_gap=float(patch.capped.mean_separation(pressure)),
+        gap={x: float(patch.reading(x).effective_separation(pressure)) for x in readings},
+        whole={x: float(surface.reading(x).effective_separation(pressure)) for x in readings},
     )
 
 

@@ -169,8 +169,8 @@ class SealSimulation:
             flight=place.flight,
         )
         n = place.strip.points[0]
-        near = max(1, round(place.profile.std / place.strip.width * n))
-        touches = state.pressure[n // 2 - near : n // 2 + near + 1] > 0.0
+        reach = max(1, round(place.profile.std / place.strip.width * n))
+        touches = state.pressure[n // 2 - reach : n // 2 + reach + 1] > 0.0
         yield StripRecord(state.conductance, float(touches.mean()), tuple(state.profile.tolist()))
 
 
@@ -214,8 +214,8 @@ class SealRow:
     @property
     def with_all_waves(self) -> float:
         """The mean with what the chain says of the waves that the grid does not hold [m^3/s]."""
-        held = self.chain_held
-        return self.leak_rate * self.place.leak_rate / held if held > 0.0 else math.nan
+        chain_rate = self.chain_held
+        return self.leak_rate * self.place.leak_rate / chain_rate if chain_rate > 0.0 else math.nan
 
     @cached_property
     def measures(self) -> tuple[float, float]:
@@ -265,18 +265,18 @@ def simulate_seal(
     """
     surface, flow = problem.surface, problem.flow
     assert surface is not None and flow is not None
-    told = zip(loads, intervals, strict=True)
-    places = tuple(place for load, ends in told for place in _places(load, ends, surface, flow, settings))
+    pairs = zip(loads, intervals, strict=True)
+    places = tuple(place for load, ends in pairs for place in _places(load, ends, surface, flow, settings))
     yield_stress = settings.yield_stress_of(surface) if "von-mises" in asperities else None
     simulation = SealSimulation(surface, places, asperities, replace(settings, yield_stress=yield_stress))
-    found = work(simulation, simulation.pieces(), settings.folder, jobs=jobs, progress=progress)
+    records_of = work(simulation, simulation.pieces(), settings.folder, jobs=jobs, progress=progress)
     rows = []
     for number, place in enumerate(places):
         for kind in asperities:
-            records = [found[StripPiece(number, kind, sample)][0] for sample in range(settings.samples)]
-            rates = [place.leak_rate * one.conductance / place.chain_conductance for one in records]
-            profile = np.mean([one.profile for one in records], axis=0)
-            area = float(np.mean([one.contact_area for one in records]))
+            records = [records_of[StripPiece(number, kind, sample)][0] for sample in range(settings.samples)]
+            rates = [place.leak_rate * record.conductance / place.chain_conductance for record in records]
+            profile = np.mean([record.profile for record in records], axis=0)
+            area = float(np.mean([record.contact_area for record in records]))
             rows.append(SealRow(place, kind, tuple(rates), profile, area))
     return simulation, rows
 
@@ -310,10 +310,10 @@ def _place(
     profile = contact.profile
     strip = _strip(contact, surface, settings)
     assert strip.grid_spectrum is not None  # the surface is rough
-    held = replace(surface, spectrum=strip.grid_spectrum)
+    on_grid = replace(surface, spectrum=strip.grid_spectrum)
     peaks = log_peaks([contact])
     whole = flow.table_around(surface, peaks)
-    tables = (flow.in_contact(flow.table_around(one, peaks), one, profile) for one in (surface, held))
+    tables = (flow.in_contact(flow.table_around(s, peaks), s, profile) for s in (surface, on_grid))
     through, through_held = (_conductance(flow, table, profile, load.fluid_pressure) for table in tables)
     leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure

@@ -280,8 +280,8 @@ def _evaluate_problems(
 ) -> dict[int, Evaluation]:
     neighbours = {n: source for n in problems if isinstance(source := sources[n], NeighbourSource)}
     others = {n: problem for n, problem in problems.items() if n not in neighbours}
-    near = {n: problems[n] for n in neighbours}
-    evaluations = _evaluate_near_solved(near, neighbours, batch) if near else {}
+    problems_near = {n: problems[n] for n in neighbours}
+    evaluations = _evaluate_near_solved(problems_near, neighbours, batch) if problems_near else {}
     return evaluations | (_evaluate_on_own_meshes(others, sources, batch, clock) if others else {})
 
 
@@ -429,27 +429,27 @@ def _press(pressings: Mapping[int, Mapping[int, ContactProblem]], batch: Batch) 
         return [{number: next(contacts) for number in loads} for loads in groups]
 
     return {
-        number: dict.fromkeys(pressings[number], one) if isinstance(one, Exception) else one
-        for number, one in batch.answer_together(pressings, press_all).items()
+        number: dict.fromkeys(pressings[number], contacts) if isinstance(contacts, Exception) else contacts
+        for number, contacts in batch.answer_together(pressings, press_all).items()
     }
 
 
-def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:
+def _solved_part(problem: SealProblem, outcome: SolvedLoads) -> SealProblem:
     """The problem of the loads that have a contact."""
     loads = problem.loads
     if loads.unsolved_bolts is not None:
-        loads = loads.with_forces(solved.points)
-    if solved.failures:
-        loads = loads.without_loads(solved.failures)
+        loads = loads.with_forces(outcome.points)
+    if outcome.failures:
+        loads = loads.without_loads(outcome.failures)
     if loads is not problem.loads:
         problem = replace(problem, loads=loads)
-    return replace(problem, form=solved.circumferences[0].form) if solved.circumferences else problem
+    return replace(problem, form=outcome.circumferences[0].form) if outcome.circumferences else problem
 
 
-def _no_load_error(problem: SealProblem, solved: SolvedLoads) -> Exception:
+def _no_load_error(problem: SealProblem, outcome: SolvedLoads) -> Exception:
     """The error of a problem without a contact at any of its loads."""
-    errors = list(solved.failures.values())
+    errors = list(outcome.failures.values())
     if all(isinstance(error, ConvergenceError) for error in errors):
         return errors[0]
-    problems = {problem.kind: problem for problem in reversed(solved.problems.values())}
+    problems = {problem.kind: problem for problem in reversed(outcome.problems.values())}
     return NoLoadLeftError(*problems.values(), file=problem.file)

@@ -50,8 +50,8 @@ class Bounds(NamedTuple):
         values : iterable of float
             One at least.
         """
-        known = np.array(list(values), dtype=float)
-        return cls(float(known.min()), float(known.max()))
+        numbers = np.array(list(values), dtype=float)
+        return cls(float(numbers.min()), float(numbers.max()))
 
     @classmethod
     def factor_bounds(cls, factor: float) -> Bounds:
@@ -202,7 +202,7 @@ def worst_first(cautions: Iterable[Finding]) -> tuple[Finding, ...]:
     ----------
     cautions : iterable of Finding
     """
-    return tuple(sorted(cautions, key=lambda one: -_RANK[one.level]))
+    return tuple(sorted(cautions, key=lambda finding: -_RANK[finding.level]))
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ class Validity:
         ----------
         cautions : iterable of Finding
         """
-        return cls(worst_first(one for one in cautions if not one.silent or one.leak_factor.is_range))
+        return cls(worst_first(x for x in cautions if not x.silent or x.leak_factor.is_range))
 
     @property
     def level(self) -> Level:
@@ -241,22 +241,22 @@ class Validity:
     @property
     def of_contact(self) -> Validity:
         """That of all numbers but the leak rate: of peak, width, stresses and opening."""
-        return Validity(tuple(one for one in self.cautions if one.of_contact))
+        return Validity(tuple(finding for finding in self.cautions if finding.of_contact))
 
     @property
     def doubts(self) -> tuple[Finding, ...]:
         """Cautions that make numbers less than valid, the worst first."""
-        return tuple(one for one in self.cautions if one.level is not Level.VALID)
+        return tuple(finding for finding in self.cautions if finding.level is not Level.VALID)
 
     @property
     def reasons(self) -> tuple[str, ...]:
         """Why the numbers are not simply valid, the worst reason first."""
-        return tuple(dict.fromkeys(one.reason for one in self.doubts))
+        return tuple(dict.fromkeys(finding.reason for finding in self.doubts))
 
     @property
     def leak_error(self) -> float:
         """The largest relative error of the leak rate that is told; zero where none is."""
-        return max((one.leak_error for one in self.cautions if not one.silent), default=0.0)
+        return max((finding.leak_error for finding in self.cautions if not finding.silent), default=0.0)
 
     @property
     def leak_factor(self) -> Bounds:
@@ -264,7 +264,7 @@ class Validity:
 
         Orders of magnitude count as `ORDERS_OF_MAGNITUDE`.
         """
-        low, high = (math.prod(one.leak_factor[n] for one in self.cautions) for n in range(2))
+        low, high = (math.prod(finding.leak_factor[n] for finding in self.cautions) for n in range(2))
         return Bounds(min(max(low, 1.0 / ORDERS_OF_MAGNITUDE), 1.0), max(min(high, ORDERS_OF_MAGNITUDE), 1.0))
 
     def widens(self, *, more: bool) -> tuple[Finding, ...]:
@@ -275,13 +275,13 @@ class Validity:
         more : bool
         """
         factors = [
-            (one.leak_factor[1] if more else 1.0 / max(one.leak_factor[0], 1e-300), one)
-            for one in self.cautions
+            (finding.leak_factor[1] if more else 1.0 / max(finding.leak_factor[0], 1e-300), finding)
+            for finding in self.cautions
         ]
         # next to a larger one, some parts in ten thousand explain nothing
         most = max((factor for factor, _ in factors), default=1.0)
         return tuple(
-            one for factor, one in factors if factor > 1.0 and factor - 1.0 > 0.01 * min(most - 1.0, 1.0)
+            x for factor, x in factors if factor > 1.0 and factor - 1.0 > 0.01 * min(most - 1.0, 1.0)
         )
 
     def leak_reason(self, *, more: bool) -> str:
@@ -291,7 +291,7 @@ class Validity:
         ----------
         more : bool
         """
-        reasons = list(dict.fromkeys(one.reason for one in self.widens(more=more)))
+        reasons = list(dict.fromkeys(finding.reason for finding in self.widens(more=more)))
         if len(reasons) < 2:
             return "".join(reasons)
         factor = self.leak_factor[1] if more else 1.0 / self.leak_factor[0]
@@ -305,8 +305,8 @@ class Validity:
     @property
     def leaks_more(self) -> bool:
         """Whether all that is outside the theory lets more leak than calculated: what fails without it fails."""
-        outside = [one.leak_factor for one in self.cautions if one.level is Level.OUTSIDE]
-        return bool(outside) and all(low >= 1.0 < high for low, high in outside)
+        factors = [finding.leak_factor for finding in self.cautions if finding.level is Level.OUTSIDE]
+        return bool(factors) and all(low >= 1.0 < high for low, high in factors)
 
     def without_kinds(self, *kinds: str) -> Validity:
         """The verdict without the cautions of some kinds.
@@ -315,7 +315,7 @@ class Validity:
         ----------
         *kinds : str
         """
-        return Validity(tuple(one for one in self.cautions if one.kind not in kinds))
+        return Validity(tuple(finding for finding in self.cautions if finding.kind not in kinds))
 
 
 def remark(
@@ -461,7 +461,7 @@ def not_calculated(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterato
     for kind in dict.fromkeys(problem.kind for problem in problems.values()):
         # they do not concern the remaining loads
         yield from _findings_of_kind(
-            loads, {number: one for number, one in problems.items() if one.kind == kind}, kind
+            loads, {number: problem for number, problem in problems.items() if problem.kind == kind}, kind
         )
 
 

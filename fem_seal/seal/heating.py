@@ -70,13 +70,13 @@ class Heating:
         from fem_seal.bodies.constrained_body import Heat
 
         with _at_temperature():
-            found = self.field(seal_mesh, materials)
-            base = materials["seat"].thermal_strain(found.faces["seat"], self.reference)
+            temperatures = self.field(seal_mesh, materials)
+            base = materials["seat"].thermal_strain(temperatures.faces["seat"], self.reference)
             heat = {
                 name: Heat(nodes, materials[name].thermal_strain(nodes, self.reference) - base)
-                for name, nodes in found.nodes.items()
+                for name, nodes in temperatures.nodes.items()
             }
-            for name, nodes in found.nodes.items():
+            for name, nodes in temperatures.nodes.items():
                 _check_curves(name, materials[name], nodes)
         return heat
 
@@ -94,16 +94,16 @@ class Heating:
         strain = seat.free_strain["heat"]
         mean = float(np.mean(strain[positions]))
         warm = float(np.mean(seat.temperature[positions]))
-        grown = seat.material.thermal_strain(seat.temperature, self.reference)
-        base = float(np.mean(grown - strain))
+        growth = seat.material.thermal_strain(seat.temperature, self.reference)
+        base = float(np.mean(growth - strain))
         housing = warm if self.housing is None else self.housing
         if self.housing is None and self.housing_expansion is None:
-            around = base + mean
+            of_housing = base + mean
         elif self.housing_expansion is None:
-            around = seat.material.thermal_strain(housing, self.reference)
+            of_housing = seat.material.thermal_strain(housing, self.reference)
         else:
-            around = self.housing_expansion * (housing - self.reference)
-        return (base - around) * float(seat.mesh.p[0].max())
+            of_housing = self.housing_expansion * (housing - self.reference)
+        return (base - of_housing) * float(seat.mesh.p[0].max())
 
 
 @contextmanager
@@ -112,7 +112,7 @@ def _at_temperature() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(*(Problem("temperature", str(one)) for one in error.problems)) from None
+        raise InputError(*(Problem("temperature", str(problem)) for problem in error.problems)) from None
 
 
 def _check_curves(name: str, material: Material, temperature: FloatArray) -> None:
@@ -124,7 +124,7 @@ def _check_curves(name: str, material: Material, temperature: FloatArray) -> Non
         curves.check(temperature)
     except InputError as error:
         raise InputError(
-            *(replace(one, key=f"{name}.material.{one.key}") for one in error.problems)
+            *(replace(problem, key=f"{name}.material.{problem.key}") for problem in error.problems)
         ) from None
 
 

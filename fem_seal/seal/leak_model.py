@@ -70,7 +70,7 @@ class FlowModel:
         Whether the pressure of a liquid is taken off the load of the asperities, place by place.
     pressure_side : {"outer", "inner"}
         Side of the high pressure.
-    simulated : DirectSettings or None
+    direct : DirectSettings or None
         How the conductivity is simulated; None where it is the theory's effective medium.
     end : {-1, 0, 1}
         Of the interval that a simulation gives.
@@ -92,7 +92,7 @@ class FlowModel:
     outlet_pressure: float = 0.0
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     pressure_side: PressureSide = "outer"
-    simulated: DirectSettings | None = None
+    direct: DirectSettings | None = None
     end: int = 0
     pressure_law: PressureLaw | None = None
     chambers: tuple[float | None, ...] = ()
@@ -165,10 +165,10 @@ class FlowModel:
     @property
     def elastic(self) -> FlowModel:
         """The same where nothing yields in a simulation; itself without one."""
-        simulated = self.simulated
-        if simulated is None or simulated.elastic is simulated:
+        direct = self.direct
+        if direct is None or direct.elastic is direct:
             return self
-        return replace(self, simulated=simulated.elastic)
+        return replace(self, direct=direct.elastic)
 
     def table(
         self, surface: RoughContact, p_min: float, p_max: float, num: int | None = None
@@ -183,8 +183,8 @@ class FlowModel:
         num : int, optional
             Number of pressures; by default as many as the error asks for.
         """
-        if self.simulated is not None:
-            return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
+        if self.direct is not None:
+            return self.direct.table(surface).conductivity_table(p_min, p_max, num, self.end)
         return calculated_table(surface, p_min, p_max, num, of_gas=self.gas is not None)
 
     def table_around(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
@@ -210,7 +210,7 @@ class FlowModel:
         log_peaks : sequence of float
             Decimal logarithms of the peak pressures [Pa].
         """
-        if self.simulated is not None:
+        if self.direct is not None:
             return self.table_around(surface, log_peaks)
         low, high = 10.0 ** (min(log_peaks) - _SHORT_BELOW), 10.0 ** (max(log_peaks) + _SHORT_ABOVE)
         sealing = surface.sealing_pressure
@@ -277,7 +277,7 @@ class FlowModel:
         surface : RoughContact
         profile : PressureProfile
         """
-        if self.simulated is not None:
+        if self.direct is not None:
             return table
         from leak.flow.short_medium import in_profile
 
@@ -317,7 +317,7 @@ class FlowModel:
         table, surface, profile
             See `leak_of`.
         """
-        return [self.in_contact(table, surface, one) if one.touches else table for one in profile.lands]
+        return [self.in_contact(table, surface, land) if land.touches else table for land in profile.lands]
 
     def leak_by(
         self, tables: Sequence[Conductivity], profile: PressureProfile, fluid_pressure: float
@@ -336,12 +336,12 @@ class FlowModel:
         if len(lands) > 1:
             from leak.flow.series import SeriesContact, in_series
 
-            given = self.chambers or (None,) * (len(lands) - 1)
+            chambers = self.chambers or (None,) * (len(lands) - 1)
             contacts = [
-                SeriesContact(partial(self._leak_across, table, one) if one.touches else None, len(one.x))
-                for table, one in zip(tables, lands, strict=True)
+                SeriesContact(partial(self._leak_across, table, land) if land.touches else None, len(land.x))
+                for table, land in zip(tables, lands, strict=True)
             ]
-            return self._of_all_faces(in_series(contacts, *ends, given))
+            return self._of_all_faces(in_series(contacts, *ends, chambers))
         return self._of_all_faces(self._leak_across(tables[0], lands[0], *ends))
 
     def _of_all_faces(self, flow: LeakResult) -> LeakResult:
@@ -369,8 +369,8 @@ class FlowModel:
 
         permeant = self.permeant(table, high, low)
         contact = profile.contact_for(table)
-        found = permeant.result(*flow_through(contact, x, pressure, permeant, side)).above_outlet
-        return replace(found, fluid_pressure=low + found.fluid_pressure) if low and self.gas else found
+        flow = permeant.result(*flow_through(contact, x, pressure, permeant, side)).above_outlet
+        return replace(flow, fluid_pressure=low + flow.fluid_pressure) if low and self.gas else flow
 
     def bounds(
         self,
@@ -398,11 +398,11 @@ class FlowModel:
         permeant = self.permeant(table, fluid_pressure)
         x, pressure, contact = profile.x, profile.pressure, profile.contact_for(table)
         modulus, side = surface.effective_modulus, self.pressure_side
-        found = flow_along(contact, x, pressure, grooves, permeant, modulus, side)
+        bounds = flow_along(contact, x, pressure, grooves, permeant, modulus, side)
         if self.faces == 1:
-            return found
-        without, upper = (self._of_all_faces(one.above_outlet) for one in (found.without, found.upper))
-        return leak.LeakBounds(without, upper, lambda: self._of_all_faces(found.lower.above_outlet))
+            return bounds
+        no_grooves, upper = (self._of_all_faces(flow.above_outlet) for flow in (bounds.without, bounds.upper))
+        return leak.LeakBounds(no_grooves, upper, lambda: self._of_all_faces(bounds.lower.above_outlet))
 
     def goes_round(
         self, table: Conductivity, profile: PressureProfile, pressure: FloatArray, fluid_pressure: float
@@ -424,8 +424,8 @@ class FlowModel:
         with np.errstate(divide="ignore"):
             log_pressure = np.maximum(np.log(pressure.T), -600.0)
         permeant, sigma = self.permeant(table, fluid_pressure), self._sigma(table, log_pressure)
-        found = leak.AroundFlow(*flow_round(profile.x, profile.radius, sigma, permeant, self.pressure_side))
-        return found.leak_rate / found.radial_leak_rate - 1.0
+        flow = leak.AroundFlow(*flow_round(profile.x, profile.radius, sigma, permeant, self.pressure_side))
+        return flow.leak_rate / flow.radial_leak_rate - 1.0
 
 
 def calculated_table(
@@ -479,7 +479,7 @@ class _Tables:
 
     def __call__(self, flow: FlowModel, surface: RoughContact) -> Conductivity:
         # a table is that of all liquids, or of all gases
-        name = surface, flow.simulated, flow.end, flow.gas is None
+        name = surface, flow.direct, flow.end, flow.gas is None
         if name not in self.tables:
             self.tables[name] = self.table(flow, surface, self.peaks)
         return self.tables[name]
@@ -546,9 +546,9 @@ class LeakModel:
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
     @property
-    def simulated(self) -> bool:
+    def is_direct(self) -> bool:
         """Whether the flow is simulated, and has an interval of its own."""
-        return self.flow is not None and self.flow.simulated is not None
+        return self.flow is not None and self.flow.direct is not None
 
     @cached_property
     def table(self) -> Conductivity | None:
@@ -583,9 +583,9 @@ class LeakModel:
         """
         if self.flow is None or self.table is None:
             return None
-        limited = profile.pressed_up_to(most)
-        tables = self.flow.in_lands(self.table, self.surface, limited)
-        return self.flow.leak_by(tables, limited, fluid_pressure)
+        pressed_profile = profile.pressed_up_to(most)
+        tables = self.flow.in_lands(self.table, self.surface, pressed_profile)
+        return self.flow.leak_by(tables, pressed_profile, fluid_pressure)
 
     def leak_without_load(self, profile: PressureProfile, fluid_pressure: float) -> float:
         """What the gap of one of the contacts lets through if its rough faces just touched [m^3/s].
@@ -601,14 +601,14 @@ class LeakModel:
         """
         if self.flow is None:
             return math.inf
-        apart, known = _TOUCH_DISTANCE * self.surface.spectrum.rms_height, []
-        for one in profile.lands:
-            gap = one.gap - one.gap.min() + apart
+        distance, rates = _TOUCH_DISTANCE * self.surface.spectrum.rms_height, []
+        for land in profile.lands:
+            gap = land.gap - land.gap.min() + distance
             if np.isfinite(gap).all():
-                narrowest = 2.0 * math.pi * self.flow.faces * float((one.radius * gap).min())
-                known.append(self.flow.through_gap(one.x, one.radius, gap, fluid_pressure))
-                known.append(self.flow.without_friction(narrowest, fluid_pressure))
-        return min(known, default=math.inf)
+                narrowest = 2.0 * math.pi * self.flow.faces * float((land.radius * gap).min())
+                rates.append(self.flow.through_gap(land.x, land.radius, gap, fluid_pressure))
+                rates.append(self.flow.without_friction(narrowest, fluid_pressure))
+        return min(rates, default=math.inf)
 
     def leak_before_sealing(self, profile: PressureProfile, fluid_pressure: float) -> float:
         """Leak of one of the contacts if no place were pressed harder than direct simulations reach [m^3/s].
@@ -624,14 +624,14 @@ class LeakModel:
         """
         if self.flow is None or self.table is None:
             return 0.0
-        peak, surface = max(one.peak_pressure for one in profile.lands), self.surface
-        tables = [one.liquid for one in self.flow.in_lands(self.table, surface, profile)]
+        peak, surface = max(land.peak_pressure for land in profile.lands), self.surface
+        tables = [table.liquid for table in self.flow.in_lands(self.table, surface, profile)]
         low, high = math.log(1e-6 * peak), math.log(peak)
 
         def beyond_sealing(log_pressure: float) -> float:
             # of an acting pressure, as the tables are
-            asked = np.array(log_pressure)
-            return min(float(one.table_log_p(asked)) - math.log(one.sealing_pressure) for one in tables)
+            log_p = np.array(log_pressure)
+            return min(float(table.table_log_p(log_p)) - math.log(table.sealing_pressure) for table in tables)
 
         beyond = 0.0
         if beyond_sealing(high) > 0.0:
@@ -647,8 +647,8 @@ class LeakModel:
         if beyond_simulations(high) <= 0.0:
             return 0.0
         limit = math.exp(root_between(beyond_simulations, low, high))
-        found = self.leak_pressed_up_to(limit, profile, fluid_pressure)
-        return 0.0 if found is None else share * found.leak_rate
+        flow = self.leak_pressed_up_to(limit, profile, fluid_pressure)
+        return 0.0 if flow is None else share * flow.leak_rate
 
     def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""
@@ -673,10 +673,10 @@ class LeakModel:
         if profile.largest is not None:
             before = float(np.interp(at, profile.x, profile.largest))
             return float(self.surface.critical_separation(peak, largest=before))
-        known = self._separations.get(peak)
-        return float(self.surface.critical_separation(peak)) if known is None else known
+        separation = self._separations.get(peak)
+        return float(self.surface.critical_separation(peak)) if separation is None else separation
 
     @cached_property
     def _separations(self) -> dict[float, float]:
-        found = self.surface.critical_separation(np.array(self.peaks)) if self.peaks else ()
-        return dict(zip(self.peaks, np.asarray(found).tolist(), strict=True))
+        separations = self.surface.critical_separation(np.array(self.peaks)) if self.peaks else ()
+        return dict(zip(self.peaks, np.asarray(separations).tolist(), strict=True))

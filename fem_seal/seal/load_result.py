@@ -57,19 +57,19 @@ class LoadResult:
     opening: OpeningMargin | None = None
     mesh_error: DiscretisationError | None = None
 
-    def with_values(self, **known: object) -> Self:
+    def with_values(self, **values: object) -> Self:
         """A load that knows more; what was worked out already stays, which `dataclasses.replace` would forget.
 
         Parameters
         ----------
-        known : object
+        values : object
             Values of optional fields, or of cached properties in place of what they would work out.
         """
         fields = vars(self).keys()
-        if strange := [name for name in known if not (hasattr(type(self), name) or name in fields)]:
+        if strange := [name for name in values if not (hasattr(type(self), name) or name in fields)]:
             raise AttributeError(f"{type(self).__name__} has no optional {', '.join(strange)}")
         other = object.__new__(type(self))
-        vars(other).update(vars(self), **known)
+        vars(other).update(vars(self), **values)
         return other
 
     @property
@@ -88,8 +88,8 @@ class LoadResult:
         if self.mesh_error is None:
             return DIGITS
         # where the strongest load is sealed, nothing is known of what the others leak but the contact that it follows
-        known = getattr(self.mesh_error, name)
-        share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
+        error = getattr(self.mesh_error, name)
+        share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if error is None else error
         return max(digits_within(share), 1)
 
     @property
@@ -174,7 +174,7 @@ class LoadResult:
     @cached_property
     def leak_before_sealing(self) -> float:
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
-        if self.rough is None or self.rough.simulated or self.circumference is not None:
+        if self.rough is None or self.rough.is_direct or self.circumference is not None:
             return 0.0
         return self.rough.leak_before_sealing(self.whole_profile, self.fluid_pressure)
 
@@ -198,7 +198,7 @@ def load_results(
     contacts: Sequence[ContactSolution],
     around: Sequence[Circumference | None],
     table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
-    alike: Sequence[ContactSolution] = (),
+    others: Sequence[ContactSolution] = (),
 ) -> tuple[LoadResult, ...]:
     """Loads of a problem on contacts that are known; one that comes again is the same, and so is its leak rate.
 
@@ -212,17 +212,17 @@ def load_results(
         Each contact around the axis; None for a round seal.
     table : callable, optional
         Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
-    alike : sequence of ContactSolution
+    others : sequence of ContactSolution
         Others over whose pressures the conductivity is tabulated as well.
     """
-    known: dict[Hashable, LoadResult] = {}
+    results: dict[Hashable, LoadResult] = {}
     bare = [
-        known.setdefault((point, id(contact)), LoadResult(*point, contact, circumference=circumference))
+        results.setdefault((point, id(contact)), LoadResult(*point, contact, circumference=circumference))
         for point, contact, circumference in zip(points, contacts, around, strict=True)
     ]
-    shown = [*alike, *(contact for load in known.values() for contact in load.contacts)]
-    rough = LeakModel.of(problem.surface, problem.flow, shown, table) if shown else None
-    filled = {load: load.with_values(rough=rough) for load in known.values()}
+    all_contacts = [*others, *(contact for load in results.values() for contact in load.contacts)]
+    rough = LeakModel.of(problem.surface, problem.flow, all_contacts, table) if all_contacts else None
+    filled = {load: load.with_values(rough=rough) for load in results.values()}
     return tuple(filled[load] for load in bare)
 
 
@@ -243,7 +243,7 @@ def leak_rates(
     surface: RoughContact,
     flows: Sequence[FlowModel],
     loads: Sequence[LoadResult],
-    alike: Sequence[LoadResult] = (),
+    others: Sequence[LoadResult] = (),
     table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
 ) -> list[tuple[float, ...]]:
     """Leak rate of each load with another surface or flow on the same contact, for each of the flows [m^3/s].
@@ -254,20 +254,20 @@ def leak_rates(
     flows : sequence of FlowModel
         Of different fluids, of which the conductivity is the same.
     loads : sequence of LoadResult
-    alike : sequence of LoadResult
+    others : sequence of LoadResult
         Other loads over whose pressures the conductivity is tabulated as well.
     table : callable, optional
         Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
     """
-    shown = [contact for load in (*alike, *loads) for contact in load.contacts]
-    first = LeakModel.of(surface, flows[0], shown, table)
+    contacts = [contact for load in (*others, *loads) for contact in load.contacts]
+    first = LeakModel.of(surface, flows[0], contacts, table)
     assert first is not None  # there is a surface
-    found = []
+    rates = []
     for flow in flows:
         rough = replace(first, flow=flow)
         leaks = [replace(load, rough=rough).leak for load in loads]
-        found.append(tuple(math.nan if leak is None else leak.leak_rate for leak in leaks))
-    return found
+        rates.append(tuple(math.nan if leak is None else leak.leak_rate for leak in leaks))
+    return rates
 
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:
@@ -417,21 +417,21 @@ Row = TypeVar("Row")
 
 
 def in_order(
-    of_loads: Iterable[Row], missing: Iterable[MissingLoad], row: Callable[[MissingLoad], Row]
+    of_loads: Iterable[Row], missing_loads: Iterable[MissingLoad], row: Callable[[MissingLoad], Row]
 ) -> list[Row]:
     """One entry per load of a case: those of the loads that were calculated, and those of the others between them.
 
     Parameters
     ----------
     of_loads : iterable
-    missing : iterable of MissingLoad
+    missing_loads : iterable of MissingLoad
         In their order.
     row : callable
         The entry of a load that could not be calculated.
     """
     rows = list(of_loads)
-    for one in missing:
-        rows.insert(one.number, row(one))
+    for load in missing_loads:
+        rows.insert(load.number, row(load))
     return rows
 
 
@@ -474,8 +474,8 @@ def distinct_loads(loads: Sequence[LoadResult]) -> list[int]:
 
 
 def _number(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
-    again = _yields(load) and [other.point for other in loads].count(load.point) > 1
-    return f" (load {loads.index(load) + 1})" if again else ""
+    comes_back = _yields(load) and [other.point for other in loads].count(load.point) > 1
+    return f" (load {loads.index(load) + 1})" if comes_back else ""
 
 
 def _yields(load: AnyLoad) -> bool:

@@ -87,9 +87,9 @@ class LoadSolver:
     settings: ContactSettings = DEFAULT_SETTINGS
 
     @classmethod
-    def on_mesh(cls, problem: SealProblem, wanted: Sizing) -> LoadSolver:
+    def on_mesh(cls, problem: SealProblem, sizing: Sizing) -> LoadSolver:
         """On a mesh made with these sizes."""
-        return cls(problem, condense_bodies(problem, build_contact(problem.contact, wanted)))
+        return cls(problem, condense_bodies(problem, build_contact(problem.contact, sizing)))
 
     def solve(
         self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None
@@ -138,13 +138,13 @@ class LoadSolver:
             if 0 < force < math.inf
         }
 
-    def solve_pressed(self, number: int, pressed: ContactSolution | Exception | None) -> ContactSolution:
+    def solve_pressed(self, number: int, outcome: ContactSolution | Exception | None) -> ContactSolution:
         """`solve` of one of the problem's loads, of which may be known already what its pressing gave."""
-        if pressed is None:
+        if outcome is None:
             return self.solve(*self.problem.loads.points[number])
-        if isinstance(pressed, Exception):
-            raise pressed
-        return pressed.after(self.earlier)
+        if isinstance(outcome, Exception):
+            raise outcome
+        return outcome.after(self.earlier)
 
     def solve_bolts(self, number: int, bolts: Bolts) -> tuple[tuple[float, float], ContactSolution]:
         """Fluid pressure [Pa] and force of the bolts [N] under one of the problem's loads, and its contact.
@@ -161,15 +161,15 @@ class LoadSolver:
         ConvergenceError
         """
         pressure, preload = self.problem.loads.points[number]
-        tightened = self.solve(0.0, preload)
-        contact = tightened
+        preloaded = self.solve(0.0, preload)
+        contact = preloaded
 
         def approach(force: float) -> float:
             nonlocal contact
             contact = self.solve(pressure, force, contact)
             return contact.approach
 
-        force = held_force(bolts, preload, approach, tightened.approach)
+        force = held_force(bolts, preload, approach, preloaded.approach)
         return (pressure, force), self.solve(pressure, force, contact)
 
     @cached_property
@@ -195,9 +195,9 @@ class LoadSolver:
         """Whether the force of the fluid is known before the contact: it acts on the circle of first touch."""
         return self.problem.on_sealed_area
 
-    def open_on_path(self, point: tuple[float, float], opened: OpenLoad) -> InputError:
+    def open_on_path(self, point: tuple[float, float], open_load: OpenLoad) -> InputError:
         """What is said of a load that opens the seal on the path of bodies that yield."""
-        return self._open_seal(replace(self.seal, model=opened.model), *point, opened.error)
+        return self._open_seal(replace(self.seal, model=open_load.model), *point, open_load.error)
 
     def _open_seal(
         self, seal: CoupledContact, fluid_pressure: float, applied_force: float, error: OpenSealError
@@ -219,15 +219,15 @@ class LoadSolver:
         """
         at_rest = self.problem.at_rest.body_loads(self.model)
         end_force = self.fluid_force(fluid_pressure) if self._on_sealed_area else 0.0
-        held = None if bolts is None else TightenedBolts(bolts, applied_force, end_force)
+        tightened_bolts = None if bolts is None else TightenedBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
-            return PathLoad(applied_force + end_force, at_rest, bolts=held)
+            return PathLoad(applied_force + end_force, at_rest, bolts=tightened_bolts)
         return PathLoad(
             applied_force,
             at_rest,
             path=self._path,
             fluid_pressure=fluid_pressure,
-            bolts=held,
+            bolts=tightened_bolts,
         )
 
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
@@ -290,9 +290,9 @@ class LoadSolver:
         """
         if not contact_force > 0.0:
             raise OpenSealError("nothing is left for the solid contact")
-        contact, near = (None, None) if start is None else (start.contact, start.circumference)
+        contact, circumference = (None, None) if start is None else (start.contact, start.circumference)
         contact, applied = self.at_contact_force(fluid_pressure, contact_force, contact, progress)
-        circumference = self.problem.circumference(contact, near=near)
+        circumference = self.problem.circumference(contact, start=circumference)
         return load_results(self.problem, [(fluid_pressure, applied)], [contact], [circumference])[0]
 
     def _solve_tightened(
@@ -301,8 +301,8 @@ class LoadSolver:
         """Contact at a fluid pressure [Pa] after a preload of all bolts [N], and their force [N]."""
         loads = self.problem.loads
         point = fluid_pressure, preload
-        own = loads.after_tightening(*point)
-        solver = replace(self, problem=replace(self.problem, loads=own))
+        one_load = loads.after_tightening(*point)
+        solver = replace(self, problem=replace(self.problem, loads=one_load))
         if not self.yields:
             bolts = loads.unsolved_bolts
             assert bolts is not None  # of all who ask
@@ -413,13 +413,13 @@ class LoadSolver:
             from leak import LeakResult
             from leak.flow.series import SeriesContact, in_series
 
-            sealed = [
+            closed_lands = [
                 SeriesContact(
-                    (lambda a, b: LeakResult(0.0, math.inf, np.zeros(1))) if one.touches else None, 1
+                    (lambda a, b: LeakResult(0.0, math.inf, np.zeros(1))) if land.touches else None, 1
                 )
-                for one in profile.lands
+                for land in profile.lands
             ]
-            lands = in_series(sealed, inner, outer, [None] * (len(sealed) - 1)).lands
+            lands = in_series(closed_lands, inner, outer, [None] * (len(closed_lands) - 1)).lands
         return [before - after for before, after, _ in lands] or [inner - outer]
 
     def _solve_sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
@@ -445,7 +445,7 @@ class SolvedLoads:
     ----------
     contacts : sequence of ContactSolution
         In the order of the case.
-    unloaded : UnloadedBodies or None
+    unloaded_bodies : UnloadedBodies or None
         None where no body yields: elastic bodies come back.
     failures : mapping
         Number of each load without a contact, with the error that says why.
@@ -460,7 +460,7 @@ class SolvedLoads:
     """
 
     contacts: Sequence[ContactSolution]
-    unloaded: UnloadedBodies | None = None
+    unloaded_bodies: UnloadedBodies | None = None
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
     circumferences: Sequence[Circumference] = ()
@@ -502,7 +502,7 @@ class SolvedLoads:
 def solve_loads(
     solver: LoadSolver,
     progress: Progress | None = None,
-    pressed: Mapping[int, ContactSolution | Exception] | None = None,
+    pressed_contacts: Mapping[int, ContactSolution | Exception] | None = None,
     contacts_only: bool = False,
     leave: Leave | None = None,
 ) -> SolvedLoads:
@@ -513,7 +513,7 @@ def solve_loads(
     solver : LoadSolver
     progress : callable, optional
         Told now and then how far the path of bodies that yield is.
-    pressed : mapping, optional
+    pressed_contacts : mapping, optional
         By number of the load what is known already of `LoadSolver.pressings`.
     contacts_only : bool
         Whether nothing is asked of what is left of bodies that yield after the last load.
@@ -527,27 +527,27 @@ def solve_loads(
     problem = solver.problem
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure; a load that comes
     # again finds elastic bodies as they were
-    found: dict[int, tuple[ContactSolution, Circumference | None]] = {}
-    bolts, held = problem.loads.unsolved_bolts, dict[int, tuple[float, float]]()
+    solutions: dict[int, tuple[ContactSolution, Circumference | None]] = {}
+    bolts, bolt_loads = problem.loads.unsolved_bolts, dict[int, tuple[float, float]]()
     for point in sorted(set(points), reverse=True):
-        alike = [number for number, one in enumerate(points) if one == point]
+        numbers = [number for number, other in enumerate(points) if other == point]
         try:
             if bolts is None:
-                contact = solver.solve_pressed(alike[0], (pressed or {}).get(alike[0]))
+                contact = solver.solve_pressed(numbers[0], (pressed_contacts or {}).get(numbers[0]))
             else:
-                own, contact = solver.solve_bolts(alike[0], bolts)
-                held.update(dict.fromkeys(alike, own))
+                bolt_point, contact = solver.solve_bolts(numbers[0], bolts)
+                bolt_loads.update(dict.fromkeys(numbers, bolt_point))
             around = problem.circumference(contact)
         except _NO_SOLUTION as error:
-            failures.update(dict.fromkeys(alike, error))
+            failures.update(dict.fromkeys(numbers, error))
             continue
         if around is not None:
             problem = replace(problem, form=around.form)
-        found.update(dict.fromkeys(alike, (contact, around)))
-    contacts = [found[number][0] for number in sorted(found)]
-    circumferences = [around for number in sorted(found) if (around := found[number][1]) is not None]
+        solutions.update(dict.fromkeys(numbers, (contact, around)))
+    contacts = [solutions[number][0] for number in sorted(solutions)]
+    circumferences = [around for number in sorted(solutions) if (around := solutions[number][1]) is not None]
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(contacts, failures=failures, circumferences=circumferences, points=held)
+    return SolvedLoads(contacts, failures=failures, circumferences=circumferences, points=bolt_loads)
 
 
 def _solved_path(
@@ -564,13 +564,13 @@ def _solved_path(
     if path.failure is not None and unsolved:
         failures.update(_failures_after(unsolved, points, path.failure))
     not_unloaded = None if unsolved or path.unloaded_bodies is not None else path.failure
-    held = {}
+    bolt_loads = {}
     if solver.problem.loads.unsolved_bolts is not None:
-        solved = zip(closed, path.contacts, strict=False)
-        held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
+        pairs = zip(closed, path.contacts, strict=False)
+        bolt_loads = {number: solver.point_of(points[number][0], contact) for number, contact in pairs}
     failures = dict(sorted(failures.items()))
     rest = path.unloaded_bodies
-    return SolvedLoads(path.contacts, rest, failures, not_unloaded, points=held, was_left=path.was_left)
+    return SolvedLoads(path.contacts, rest, failures, not_unloaded, points=bolt_loads, was_left=path.was_left)
 
 
 def _failures_after(
@@ -684,7 +684,7 @@ def _walk_path(
         path = error.partial
     if solver.asperities_remember:
         # each with the largest pressures before it
-        path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, one: one.after(before))))
+        path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, x: x.after(before))))
     if not before:
         return path
     if 0 in path.open_loads:
@@ -692,16 +692,16 @@ def _walk_path(
     if not path.contacts:
         return replace(path, failure=ConvergenceError(f"{problem.loads.preparation}: {path.failure}"))
     closed = [number for place, (number, _) in enumerate(way) if place not in path.open_loads]
-    found = list(zip(closed, path.contacts, strict=False))
+    pairs = list(zip(closed, path.contacts, strict=False))
     if not solver.asperities_remember:
-        largest = found[0][1]
-        for place, (number, contact) in enumerate(found):
+        largest = pairs[0][1]
+        for place, (number, contact) in enumerate(pairs):
             if number is None and contact.contact_force > largest.contact_force:
                 largest = contact
-            found[place] = number, replace(contact, earlier=largest)
-    contacts = tuple(contact for number, contact in found if number is not None)
-    opened = {number: one for place, one in path.open_loads.items() if (number := way[place][0]) is not None}
-    return replace(path, contacts=contacts, open_loads=opened)
+            pairs[place] = number, replace(contact, earlier=largest)
+    contacts = tuple(contact for number, contact in pairs if number is not None)
+    open_loads = {n: load for place, load in path.open_loads.items() if (n := way[place][0]) is not None}
+    return replace(path, contacts=contacts, open_loads=open_loads)
 
 
 # So often it is said how far a path is [s].
@@ -725,13 +725,13 @@ def _progress_teller(
             return
         last = time.monotonic()
         share = (place.number + place.way) / (len(way) + unload)
-        left = f"; {about((last - begun) * (1 / share - 1))} left on this mesh" if share > 0 else ""
+        remaining = f"; {about((last - begun) * (1 / share - 1))} left on this mesh" if share > 0 else ""
         number = way[place.number][0] if place.number < len(way) else count
         what = before if number is None else f"load {number + 1} of {count}"
         what = "unloading" if number == count else what
         progress(
             f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "
-            f"{100 * place.step:.2g} %{left}"
+            f"{100 * place.step:.2g} %{remaining}"
         )
 
     return tell
@@ -752,8 +752,8 @@ def solve_path(solver: LoadSolver) -> list[ContactSolution]:
     points = solver.problem.loads.points
     path = _walk_path(solver, points, unload=False)
     if len(path.contacts) < len(points):
-        opened = [str(one.error) for one in path.open_loads.values()]
-        raise ConvergenceError(opened[0] if opened else str(path.failure))
+        messages = [str(load.error) for load in path.open_loads.values()]
+        raise ConvergenceError(messages[0] if messages else str(path.failure))
     return list(path.contacts)
 
 
@@ -772,25 +772,26 @@ def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
     ------
     ConvergenceError
     """
-    found: dict[int, ContactSolution] = {}
+    solutions: dict[int, ContactSolution] = {}
     for contact in contacts:
-        remembered = () if contact.largest is None else contact.history
-        for one in reversed([one for one in (contact, *remembered) if id(one) not in found]):
-            assert isinstance(one, ElastoplasticContact) and one.linear is not None
-            again = solve(one.linear, law, contact_force=one.pressing_force, loads=one.loads, start=one)
+        history = () if contact.largest is None else contact.history
+        for member in reversed([member for member in (contact, *history) if id(member) not in solutions]):
+            assert isinstance(member, ElastoplasticContact) and member.linear is not None
+            force = member.pressing_force
+            solution = solve(member.linear, law, contact_force=force, loads=member.loads, start=member)
             # a contact of the true bodies, in the states that they are in
             moved = replace(
-                one,
-                contact_force=again.contact_force,
-                stop_force=again.stop_force,
-                approach=again.approach,
-                log_pressure=again.log_pressure,
-                gap=again.gap,
-                iterations=again.iterations,
-                residuals=again.residuals,
+                member,
+                contact_force=solution.contact_force,
+                stop_force=solution.stop_force,
+                approach=solution.approach,
+                log_pressure=solution.log_pressure,
+                gap=solution.gap,
+                iterations=solution.iterations,
+                residuals=solution.residuals,
             )
-            found[id(one)] = moved.after(found.get(id(one.earlier)))
-    return [found[id(contact)] for contact in contacts]
+            solutions[id(member)] = moved.after(solutions.get(id(member.earlier)))
+    return [solutions[id(contact)] for contact in contacts]
 
 
 def solve_again(
@@ -812,18 +813,18 @@ def solve_again(
     ConvergenceError
     """
     before = {id(earlier): earlier for contact in contacts for earlier in contact.history}
-    solved = solve_many(
+    outcomes = solve_many(
         [
             ContactProblem(model, law, load.pressing_force, load.loads, DEFAULT_SETTINGS, start=load)
             for load in (*before.values(), *contacts)
         ]
     )
-    for outcome in solved:
+    for outcome in outcomes:
         if isinstance(outcome, ConvergenceError):
             raise outcome
-    again = [outcome for outcome in solved if not isinstance(outcome, ConvergenceError)]
-    earlier = dict(zip(before, again, strict=False))
-    new = zip(contacts, again[len(before) :], strict=True)
+    solutions = [outcome for outcome in outcomes if not isinstance(outcome, ConvergenceError)]
+    earlier = dict(zip(before, solutions, strict=False))
+    new = zip(contacts, solutions[len(before) :], strict=True)
     return [contact.after(earlier.get(id(old.earlier))) for old, contact in new]
 
 

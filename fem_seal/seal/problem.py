@@ -102,14 +102,14 @@ class Loads:
         What the fluid pressure acts on: the circle of first touch, or all that it wets.
     target_leak_rate : float or None
         To which the smallest force is asked [m^3/s].
-    refused : mapping
+    refusals : mapping
         Number of each load of which is known beforehand that it cannot be calculated, with the reason.
     earlier : tuple or None
         Fluid pressure [Pa] and force of spring or actuator [N] of the largest load before all of them; None if none is
         known.
     bolts : Bolts or None
         That close the seal; None where a force is applied.
-    tightened : tuple of float
+    preloads : tuple of float
         Preload of bolts for each load [N], where each load has its own; the bodies go through it before the fluid acts.
     bolts_solved : bool
         Whether the forces of the bolts stand in the points; their preloads do before.
@@ -122,10 +122,10 @@ class Loads:
     pressure_side: PressureSide = "outer"
     closing: Literal["sealed-area", "penetration"] = "sealed-area"
     target_leak_rate: float | None = None
-    refused: Mapping[int, LoadProblem] = field(default_factory=dict)
+    refusals: Mapping[int, LoadProblem] = field(default_factory=dict)
     earlier: tuple[float, float] | None = None
     bolts: Bolts | None = None
-    tightened: tuple[float, ...] = ()
+    preloads: tuple[float, ...] = ()
     bolts_solved: bool = False
     along_path: bool = False
 
@@ -177,11 +177,11 @@ class Loads:
         numbers : collection of int
             Of the loads that go.
         """
-        kept = [number for number in range(len(self.points)) if number not in numbers]
-        refused = {new: self.refused[old] for new, old in enumerate(kept) if old in self.refused}
-        points = tuple(self.points[number] for number in kept)
-        tightened = tuple(self.tightened[number] for number in kept) if self.tightened else ()
-        return replace(self, points=points, refused=refused, tightened=tightened)
+        remaining = [number for number in range(len(self.points)) if number not in numbers]
+        refused = {new: self.refusals[old] for new, old in enumerate(remaining) if old in self.refusals}
+        points = tuple(self.points[number] for number in remaining)
+        preloads = tuple(self.preloads[number] for number in remaining) if self.preloads else ()
+        return replace(self, points=points, refusals=refused, preloads=preloads)
 
     def path(self, points: Sequence[tuple[float, float]]) -> Iterator[tuple[int | None, tuple[float, float]]]:
         """Points with their numbers, after what comes before them: the largest load, or each preload of bolts.
@@ -193,11 +193,11 @@ class Loads:
         """
         if self.earlier is not None:
             yield None, self.earlier
-        same = tuple(points) == self.points[: len(points)] and len(self.tightened) >= len(points)
+        same = tuple(points) == self.points[: len(points)] and len(self.preloads) >= len(points)
         preload = None
         for number, point in enumerate(points):
-            if same and self.tightened[number] != preload:
-                preload = self.tightened[number]
+            if same and self.preloads[number] != preload:
+                preload = self.preloads[number]
                 yield None, (0.0, preload)
             yield number, point
 
@@ -211,12 +211,12 @@ class Loads:
     @property
     def with_loose_bolts(self) -> Loads:
         """The same with bolts that are yet to be tightened, for each load anew."""
-        return replace(self, earlier=None, tightened=(), bolts_solved=False)
+        return replace(self, earlier=None, preloads=(), bolts_solved=False)
 
     def after_tightening(self, fluid_pressure: float, preload: float) -> Loads:
         """One load in their place, at a fluid pressure [Pa] and with bolts that have a preload [N]."""
         point = fluid_pressure, preload
-        return replace(self, points=(point,), refused={}, earlier=(0.0, preload), tightened=())
+        return replace(self, points=(point,), refusals={}, earlier=(0.0, preload), preloads=())
 
     def with_preloads(self, bolts: Bolts, preloads: Sequence[float]) -> Loads:
         """The same with bolts of other preloads.
@@ -232,7 +232,7 @@ class Loads:
             points=tuple(zip(self.fluid_pressure, preloads, strict=True)),
             earlier=None if self.earlier is None else (0.0, preloads[0]),
             bolts=bolts,
-            tightened=tuple(preloads) if self.tightened else (),
+            preloads=tuple(preloads) if self.preloads else (),
             bolts_solved=False,
         )
 
@@ -249,8 +249,8 @@ class Loads:
         points : mapping
             Fluid pressure [Pa] and force [N] by the number of the load.
         """
-        each = tuple(points.get(number, point) for number, point in enumerate(self.points))
-        return replace(self, points=each, bolts_solved=True)
+        all_points = tuple(points.get(number, point) for number, point in enumerate(self.points))
+        return replace(self, points=all_points, bolts_solved=True)
 
 
 @dataclass(frozen=True)
@@ -479,8 +479,8 @@ class SealProblem:
     @property
     def hardness(self) -> float | None:
         """Penetration hardness of the softer body, whether asperities yield or not [Pa]; None where none is known."""
-        known = (material.hardness for material in self.materials.values() if material.hardness is not None)
-        return min(known, default=None)
+        values = (material.hardness for material in self.materials.values() if material.hardness is not None)
+        return min(values, default=None)
 
     @property
     def faces(self) -> int:
@@ -510,8 +510,8 @@ class SealProblem:
         """
         from fem_seal.bodies.elasticity import grown_by_one
 
-        held = model.closure.fem
-        height = float(held.balance @ grown_by_one(held.mesh)) - self.contact.seat.extent[1][0]
+        body = model.closure.fem
+        height = float(body.balance @ grown_by_one(body.mesh)) - self.contact.seat.extent[1][0]
         return way + self.at_rest.expansion * (way - height) if math.isfinite(way) else way
 
     @property
@@ -525,7 +525,7 @@ class SealProblem:
         return self.loads.along_path or bool(self.curves)
 
     def circumference(
-        self, contact: ContactSolution, law: Law | None = None, near: Circumference | None = None
+        self, contact: ContactSolution, law: Law | None = None, start: Circumference | None = None
     ) -> Circumference | None:
         """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
 
@@ -534,7 +534,7 @@ class SealProblem:
         contact : ContactSolution
         law : Law, optional
             With which it was solved; the problem's own unless given.
-        near : Circumference, optional
+        start : Circumference, optional
             Of a contact between the same points and a form error of the same waves, both close to these.
 
         Raises
@@ -546,13 +546,13 @@ class SealProblem:
         from fem_seal.contact.local_contact import LocalContact
         from fem_seal.seal.circumference import solve_both_around
 
-        own, contact = law or self.law, contact.without_stop
-        local = LocalContact(contact, own, None if near is None else near.local)
+        law, contact = law or self.law, contact.without_stop
+        local = LocalContact(contact, law, None if start is None else start.local)
         if contact.earlier is None or contact.largest is None:
-            return solve_both_around(self.form, local, None, near)
-        known = None if near is None or near.before is None else near.before.local
-        earlier = LocalContact(contact.earlier.without_stop, own, known)
-        return solve_both_around(self.form, local, earlier, near)
+            return solve_both_around(self.form, local, None, start)
+        local_before = None if start is None or start.before is None else start.before.local
+        earlier = LocalContact(contact.earlier.without_stop, law, local_before)
+        return solve_both_around(self.form, local, earlier, start)
 
     @property
     def leaks(self) -> bool:
@@ -639,31 +639,31 @@ def direct_settings(case: CaseTables) -> DirectSettings | None:
     ----------
     case : CaseTables
     """
-    given = case.direct
-    if given is None:
+    table = case.direct
+    if table is None:
         return None
     from fem_seal.seal.direct import DirectSettings
 
     return DirectSettings(
-        points=given.points,
-        samples=given.samples,
-        seed=given.seed,
-        waves=given.waves,
-        points_per_wave=given.points_per_wave,
-        amplitudes=given.amplitudes,
-        size=given.size,
-        pressures=given.pressure or (),
-        unload=given.unload or (),
-        direction=given.direction,
-        map=None if given.file is None else partial(_periodic_map, given.file, given.unit, given),
-        folder=None if given.folder is None else Path(given.folder),
+        points=table.points,
+        samples=table.samples,
+        seed=table.seed,
+        waves=table.waves,
+        points_per_wave=table.points_per_wave,
+        amplitudes=table.amplitudes,
+        size=table.size,
+        pressures=table.pressure or (),
+        unload=table.unload or (),
+        direction=table.direction,
+        map=None if table.file is None else partial(_periodic_map, table.file, table.unit, table),
+        folder=None if table.folder is None else Path(table.folder),
         asperities=case.simulated_asperities,
-        yield_stress=given.yield_stress,
+        yield_stress=table.yield_stress,
         poissons_ratio=case.softer.poissons_ratio,
     )
 
 
-def _periodic_map(file: str, unit: tuple[str, ...] | None, given: Direct) -> tuple[FloatArray, float]:
+def _periodic_map(file: str, unit: tuple[str, ...] | None, settings: Direct) -> tuple[FloatArray, float]:
     """A measured map on no more points than the table says, and its side [m]."""
     from leak import HeightMap, read_topography
     from leak.direct import periodic_map
@@ -671,9 +671,9 @@ def _periodic_map(file: str, unit: tuple[str, ...] | None, given: Direct) -> tup
     scan = read_topography(file, unit=unit)
     if not isinstance(scan, HeightMap):
         raise InputError.at("direct.file", "is a line scan; a map of heights is needed", file)
-    heights, size = periodic_map(scan, continuation=given.continuation)
-    if heights.shape[0] > given.points:
-        heights, size = periodic_map(scan, points=given.points, continuation=given.continuation)
+    heights, size = periodic_map(scan, continuation=settings.continuation)
+    if heights.shape[0] > settings.points:
+        heights, size = periodic_map(scan, points=settings.points, continuation=settings.continuation)
     return heights, size
 
 
@@ -694,8 +694,8 @@ def larger_housing(case: CaseTables) -> ContactGeometry | None:
     """
     closure, shape = case.bodies
     seat: Any = shape
-    known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
-    if case.gasket is not None or not set(_LENGTHS) <= known:
+    names = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
+    if case.gasket is not None or not set(_LENGTHS) <= names:
         return None
     larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
     return ContactGeometry.of(closure.outline, larger.outline)
@@ -733,17 +733,17 @@ def size_mesh(problem: SealProblem, forces: Sequence[float] | None = None) -> Si
     forces = [*(expected_forces(problem) if forces is None else forces)]
     if problem.loads.earlier is not None:
         forces.append(problem.expected_force(*problem.loads.earlier))
-    forces += problem.loads.tightened
+    forces += problem.loads.preloads
     line_loads = [line_load(force, contact.initial_contact_radius, contact.angle) for force in forces]
     try:
-        found = element_sizes(problem.law, line_loads, contact, problem.effective_modulus, size)
+        sizing = element_sizes(problem.law, line_loads, contact, problem.effective_modulus, size)
     except InputError as error:
         raise error.in_file(problem.file) from None
     size_given = size is not None
     if problem.curves:
         softest = min(curve.yield_stress for curve in problem.curves)
-        found = for_yielding(found, contact, softest, max(line_loads), size_given=size_given)
-    return round_sizing(found, contact, size_given=size_given)
+        sizing = for_yielding(sizing, contact, softest, max(line_loads), size_given=size_given)
+    return round_sizing(sizing, contact, size_given=size_given)
 
 
 def condense_bodies(problem: SealProblem, mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
@@ -803,7 +803,7 @@ def expected_forces(problem: SealProblem) -> list[float]:
     problem : SealProblem
     """
     loads = problem.loads
-    return [problem.expected_force(*point) for n, point in enumerate(loads.points) if n not in loads.refused]
+    return [problem.expected_force(*point) for n, point in enumerate(loads.points) if n not in loads.refusals]
 
 
 def largest_force(problem: SealProblem) -> float:
@@ -881,7 +881,7 @@ class SealFlow:
         largest : ndarray, shape (m,)
             Largest pressure that each place has carried before [Pa].
         """
-        ends = np.cumsum([len(one.x) for one in profile.lands])
+        ends = np.cumsum([len(land.x) for land in profile.lands])
         after = [
             land.after(largest[end - len(land.x) : end])
             for land, end in zip(profile.lands, ends, strict=True)
@@ -904,9 +904,9 @@ class SealFlow:
                 self._table(circumference.most_loaded.profile), pressure, fluid_pressure
             ),
         )
-        found = circumference.with_leak(LeakCurve(circumference.local, flow)).leak
-        assert found is not None  # it was asked for
-        return found
+        leak = circumference.with_leak(LeakCurve(circumference.local, flow)).leak
+        assert leak is not None  # it was asked for
+        return leak
 
     def _table(self, profile: PressureProfile) -> Conductivity:
         low, high = self._expected_peaks

@@ -135,10 +135,10 @@ class Scenario:
                 models[id(load.rough)] = prepare(self._leak_model(load.rough))
         return [load if load.rough is None else replace(load, rough=models[id(load.rough)]) for load in loads]
 
-    def _leak_model(self, beside: LeakModel) -> LeakModel:
+    def _leak_model(self, seal_model: LeakModel) -> LeakModel:
         """With tables over the same pressures as those of the seal beside which the scenario stands."""
         assert self.problem.surface is not None  # of what leaks
-        return replace(beside, surface=self.problem.surface, flow=self.problem.flow)
+        return replace(seal_model, surface=self.problem.surface, flow=self.problem.flow)
 
 
 def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
@@ -151,19 +151,19 @@ def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
     surface, flow = problem.surface, problem.flow
     if surface is None:
         return
-    simulated = flow is not None and flow.simulated is not None
-    for reading in () if simulated else surface.readings:
-        if (read := surface.reading(reading)) is not surface:
-            yield Scenario(str(reading), replace(problem, surface=read))
+    is_simulated = flow is not None and flow.direct is not None
+    for reading in () if is_simulated else surface.readings:
+        if (variant := surface.reading(reading)) is not surface:
+            yield Scenario(str(reading), replace(problem, surface=variant))
     elastic, of_elastic = surface.elastic, None if flow is None else flow.elastic
     if elastic is not surface or of_elastic is not flow:
         yield Scenario(str(Reading.ELASTIC), replace(problem, surface=elastic, flow=of_elastic))
     if flow is None:
         return
-    for end, name in {-1: "least simulated", 1: "most simulated"}.items() if simulated else ():
+    for end, name in {-1: "least simulated", 1: "most simulated"}.items() if is_simulated else ():
         yield Scenario(name, replace(problem, flow=replace(flow, end=end)))
-    if (tested := with_test_gas(flow)) is not flow:
-        yield Scenario(TEST_GAS, replace(problem, flow=tested))
+    if (test_flow := with_test_gas(flow)) is not flow:
+        yield Scenario(TEST_GAS, replace(problem, flow=test_flow))
     if surface.hardness is not None:
         yield Scenario(FIRST_LOADING, replace(problem, loads=problem.loads.on_new_surfaces))
 
@@ -177,8 +177,8 @@ def problem_in(problem: SealProblem, name: str) -> SealProblem:
     name : str
         Of the scenario.
     """
-    found = (one.problem for one in alternatives_on_contact(problem) if one.name == name)
-    return next(found, problem)
+    problems = (scenario.problem for scenario in alternatives_on_contact(problem) if scenario.name == name)
+    return next(problems, problem)
 
 
 def with_own_contacts(problem: SealProblem) -> Iterator[Scenario]:
@@ -195,12 +195,12 @@ def with_own_contacts(problem: SealProblem) -> Iterator[Scenario]:
         return
     threshold = type(surface).percolation_threshold
     for theory in READINGS:
-        if theory != surface.theory or flow.simulated is not None:
+        if theory != surface.theory or flow.direct is not None:
             other = replace(
                 problem,
                 surface=replace(surface, theory=theory, yielding="", percolation_threshold=threshold),
                 interface=problem.interface.model_copy(update={"plastic": False}),
-                flow=replace(flow, simulated=None),
+                flow=replace(flow, direct=None),
                 given_law=None,
             )
             yield Scenario(theory, other)
@@ -216,7 +216,7 @@ def names(surface: RoughContact | None, flow: FlowModel | None) -> tuple[str, ..
     """
     if surface is None:
         return (str(Reading.ELASTIC),)
-    if flow is not None and flow.simulated is not None:
+    if flow is not None and flow.direct is not None:
         same = surface.elastic is surface and flow.elastic is flow
         return (str(Reading.ELASTIC),) if same else ("simulated",)
     return str(Reading.ELASTIC) if surface.hardness is None else surface.yielding, surface.theory
@@ -229,10 +229,10 @@ def with_test_gas(flow: FlowModel) -> FlowModel:
     ----------
     flow : FlowModel
     """
-    tested = None if flow.gas is None else gas_of_test(flow.fluid, flow.gas)
-    if tested is None or tested is flow.gas:
+    test_gas = None if flow.gas is None else gas_of_test(flow.fluid, flow.gas)
+    if test_gas is None or test_gas is flow.gas:
         return flow
-    return replace(flow, fluid=tested.name, gas=tested, viscosity=tested.viscosity)
+    return replace(flow, fluid=test_gas.name, gas=test_gas, viscosity=test_gas.viscosity)
 
 
 def gas_of_test(name: str, gas: Gas) -> Gas:
@@ -245,5 +245,5 @@ def gas_of_test(name: str, gas: Gas) -> Gas:
     gas : Gas
     """
     low, high = TEST_TEMPERATURES
-    own = name.lower() in TEST_GASES and low <= gas.temperature <= high
-    return gas if own else leak.gas(TEST_GASES[0], ROOM_TEMPERATURE)
+    is_test_gas = name.lower() in TEST_GASES and low <= gas.temperature <= high
+    return gas if is_test_gas else leak.gas(TEST_GASES[0], ROOM_TEMPERATURE)

@@ -247,16 +247,16 @@ class NeighbourSource(Source):
 
     def problem(self, problem: SealProblem) -> SealProblem:
         """With the law of the solved problem where it is the same, so that its contacts are, too."""
-        solved, interface = self.solved_problem, problem.interface
-        assert problem.surface is not None and solved.surface is not None  # of all who ask
+        known_problem, interface = self.solved_problem, problem.interface
+        assert problem.surface is not None and known_problem.surface is not None  # of all who ask
         elastic = interface.law == "spectrum" and not interface.plastic
-        before, after = (s.elastic if elastic else s for s in (solved.surface, problem.surface))
+        before, after = (s.elastic if elastic else s for s in (known_problem.surface, problem.surface))
         if self._on_given_profiles or before == after:
-            return replace(problem, given_law=solved.law)
-        if elastic and same_family(problem.surface, solved.surface):
+            return replace(problem, given_law=known_problem.law)
+        if elastic and same_family(problem.surface, known_problem.surface):
             return with_family_law(problem)
-        same_law = interface.law != "spectrum" and problem.law == solved.law
-        return replace(problem, given_law=solved.law) if same_law else problem
+        same_law = interface.law != "spectrum" and problem.law == known_problem.law
+        return replace(problem, given_law=known_problem.law) if same_law else problem
 
     @property
     def _on_given_profiles(self) -> bool:
@@ -295,7 +295,7 @@ class NeighbourSource(Source):
         }
 
     def contacts(
-        self, problem: SealProblem, model: ContactModel, pressed: Mapping[int, ContactSolution | Exception]
+        self, problem: SealProblem, model: ContactModel, outcomes: Mapping[int, ContactSolution | Exception]
     ) -> list[ContactSolution]:
         """Contact of each of the loads that are asked for.
 
@@ -303,7 +303,7 @@ class NeighbourSource(Source):
         ----------
         problem : SealProblem
         model : ContactModel
-        pressed : mapping
+        outcomes : mapping
             What became of `pressings`.
 
         Raises
@@ -315,34 +315,34 @@ class NeighbourSource(Source):
         if not self._moves(problem):
             return contacts
         if not problem.follows_path:
-            for outcome in pressed.values():
+            for outcome in outcomes.values():
                 if isinstance(outcome, Exception):
                     raise outcome
-            solved = {n: contact for n, contact in pressed.items() if not isinstance(contact, Exception)}
-            return [solved[number].after(solved.get(_LOAD_BEFORE)) for number in self.numbers]
+            solutions = {n: contact for n, contact in outcomes.items() if not isinstance(contact, Exception)}
+            return [solutions[number].after(solutions.get(_LOAD_BEFORE)) for number in self.numbers]
         if self.whole_paths or self._stiffness(problem) != 1.0:
             path = solve_path(LoadSolver(problem, model))
             return [path[number] for number in self.numbers]
         return solve_linearised(contacts, problem.law)
 
     def solve(
-        self, problem: SealProblem, model: ContactModel, pressed: Mapping[int, ContactSolution | Exception]
+        self, problem: SealProblem, model: ContactModel, outcomes: Mapping[int, ContactSolution | Exception]
     ) -> SolvedLoads:
         """The loads that are asked for; see `contacts`."""
-        contacts = self.contacts(problem, model, pressed)
+        contacts = self.contacts(problem, model, outcomes)
         circumferences: list[Circumference] = []
         for number, contact in zip(self.numbers, contacts, strict=True):
             load = self.loads[number]
             same = contact is load.contact and problem.form is self.solved_problem.form
             circumference = (
-                load.circumference if same else problem.circumference(contact, near=load.circumference)
+                load.circumference if same else problem.circumference(contact, start=load.circumference)
             )
             circumferences += [] if circumference is None else [circumference]
         return SolvedLoads(contacts, circumferences=circumferences)
 
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Of the known surface's family, or a short one for the pressures of the contacts themselves."""
-        if flow.simulated is not None:
+        if flow.direct is not None:
             # with the range of the solved seal, as long as it will do, the table's own error is that of all
             solved_peaks = log_peaks_of([contact for load in self.loads for contact in load.contacts])
             return flow.table_around(surface, [*solved_peaks, *log_peaks])

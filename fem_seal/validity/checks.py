@@ -667,8 +667,8 @@ def _nearly_sealed(
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.peak_pressure)
-    if problem.flow is not None and problem.flow.simulated is not None:
-        yield from _direct_cautions(problem.flow.simulated.table(surface), load, loads)
+    if problem.flow is not None and problem.flow.direct is not None:
+        yield from _direct_cautions(problem.flow.direct.table(surface), load, loads)
         return
     yield from _few_channels(load, loads, surface)
     if surface.most_contact_area(load.peak_pressure) <= DIRECT_END:

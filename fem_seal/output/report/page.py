@@ -228,11 +228,11 @@ def _pictures_around(result: SealSolution) -> tuple[Picture | None, ...]:
 def _pictures_of_simulation(result: SealSolution) -> tuple[Picture, ...]:
     """Pictures of a direct simulation; none without one."""
     flow, surface = result.problem.flow, result.surface
-    if flow is None or flow.simulated is None or surface is None:
+    if flow is None or flow.direct is None or surface is None:
         return ()
     from fem_seal.output.pictures.direct import simulation_pictures
 
-    return simulation_pictures(flow.simulated.table(surface), result.highest.peak_pressure)
+    return simulation_pictures(flow.direct.table(surface), result.highest.peak_pressure)
 
 
 def _texts_of_case(result: SealSolution) -> dict[str, Any]:

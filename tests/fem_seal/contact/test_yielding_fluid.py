@@ -359,7 +359,7 @@ def test_a_relief_valve_from_its_case() -> None:
     assert list(solved.failures) == [2]
     assert "give an applied_force above" in solved.problems[2].message
     assert [contact.loads.closure[0] for contact in solved.contacts] == [100e5, 350e5, 100e5]
-    assert solved.unloaded is not None and "seat" in solved.unloaded.imprints
+    assert solved.unloaded_bodies is not None and "seat" in solved.unloaded_bodies.imprints
     assert [one.contact_force for one in largest_before(solved.contacts)] == [6000.0]
     # the path of the case is that of the solver called by hand
     solver = LoadSolver(problem, model)

@@ -221,7 +221,7 @@ def test_the_path_ends_where_bolts_and_contact_hold_each_other(side):
 def test_each_torque_is_tightened_before_its_fluid():
     seal = yielding(load={"fluid_pressure": "10 bar"}, bolts={"preload": ["1 kN", "2 kN"]})
     problem = SealProblem.of(seal)
-    assert problem.loads.tightened == (4e3, 8e3) and problem.loads.earlier is None
+    assert problem.loads.preloads == (4e3, 8e3) and problem.loads.earlier is None
     small, large = solved(seal).loads
     assert small.applied_force > 4e3 and large.applied_force > 8e3
     # the second is loaded after the first, which it exceeds: the first leaves nothing behind

@@ -42,7 +42,9 @@ def wanted_twice(monkeypatch):
 
     def counted(solver, *arguments, **more):
         result = solved(solver, *arguments, **more)
-        found.append([*map(str, range(len(result.contacts))), *(["unloaded"] if result.unloaded else [])])
+        found.append(
+            [*map(str, range(len(result.contacts))), *(["unloaded"] if result.unloaded_bodies else [])]
+        )
         return result
 
     monkeypatch.setattr(contact_sizing, "better_sizing", unfit)
@@ -83,7 +85,7 @@ def test_where_the_next_mesh_cannot_be_made_the_loads_go_on_on_the_first(wanted_
     monkeypatch.setattr(source, "bodies", once)
     found = evaluate(problem())
     assert wanted_twice == [["0"], ["0", "1", "unloaded"]]
-    assert found.solved_loads.unloaded is not None and len(peaks(found)) == 2
+    assert found.solved_loads.unloaded_bodies is not None and len(peaks(found)) == 2
 
 
 def test_a_load_that_does_not_converge_begins_anew_without_unloading(wanted_twice, monkeypatch):
@@ -99,7 +101,7 @@ def test_a_load_that_does_not_converge_begins_anew_without_unloading(wanted_twic
     monkeypatch.setattr(contact_sizing, "better_sizing", lambda *arguments, **more: None)
     monkeypatch.setattr(load_solver.load_path.__globals__["_Walk"], "reach", failing)
     found = evaluate(problem(), clock=Clock(told.append))
-    assert len(peaks(found)) == 2 and found.solved_loads.unloaded is not None
+    assert len(peaks(found)) == 2 and found.solved_loads.unloaded_bodies is not None
     assert sum("a load does not converge on this mesh" in text for text in told) == 1
 
 

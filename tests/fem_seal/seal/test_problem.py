@@ -20,10 +20,10 @@ from fem_seal.seal.problem import Loads, SealProblem, expected_forces, larger_ho
 def test_what_is_left_of_the_loads_keeps_its_reasons():
     points = ((1e5, 0.0), (2e5, 10.0), (3e5, 20.0), (4e5, 30.0))
     reasons = {1: LoadProblem("load", "a"), 3: LoadProblem("load", "b")}
-    left = Loads(points, refused=reasons).without_loads({0, 1})
+    left = Loads(points, refusals=reasons).without_loads({0, 1})
     assert left.points == points[2:] and left.fluid_pressure == (3e5, 4e5)
-    assert left.refused == {1: reasons[3]}
-    assert Loads(points, refused=reasons).without_loads(()).refused == reasons
+    assert left.refusals == {1: reasons[3]}
+    assert Loads(points, refusals=reasons).without_loads(()).refusals == reasons
 
 
 def test_loads_that_leave_the_seal_open_size_nothing():
@@ -32,7 +32,7 @@ def test_loads_that_leave_the_seal_open_size_nothing():
     )
     problem = SealProblem.of(lifted)
     area = math.pi * problem.initial_contact_radius**2
-    assert list(problem.loads.refused) == [1]
+    assert list(problem.loads.refusals) == [1]
     assert expected_forces(problem) == pytest.approx([1e3 - 5e5 * area], rel=1e-12)
 
 
