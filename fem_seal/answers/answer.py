@@ -182,7 +182,7 @@ class Answer(Generic[T]):
         Name of its time; `name` unless given.
     needs : tuple of str
         Attributes of the solved seal, such as "case.form", none of which may be None or False where it applies.
-    asked_by : str
+    request_field : str
         Field of the request that asks for it; empty of an answer that follows from the case alone.
     needs_unrequested : tuple of str
         As `needs`, where that field is None.
@@ -199,7 +199,7 @@ class Answer(Generic[T]):
     status: str = ""
     clock: str = ""
     needs: tuple[str, ...] = ()
-    asked_by: str = ""
+    request_field: str = ""
     needs_unrequested: tuple[str, ...] = ()
     of_part: bool = False
 
@@ -211,7 +211,7 @@ class Answer(Generic[T]):
         seal : SolvedSeal
         request : Request
         """
-        is_requested = getattr(request, self.asked_by) if self.asked_by else None
+        is_requested = getattr(request, self.request_field) if self.request_field else None
         needs = self.needs if is_requested else (*self.needs, *self.needs_unrequested)
         has_all = is_requested is not False and all(_has(seal, attribute) for attribute in needs)
         return has_all and self.applies(seal, request)

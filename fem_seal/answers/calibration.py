@@ -340,7 +340,7 @@ def calibrate(
         raise InputError(problem("calibrate_without_leak"))
     if case.uncertainty is not None and case.uncertainty.posterior is not None:
         raise InputError(problem("calibrate_again"))
-    settings, seed = case.sampled, 1 if case.sampled is None else case.sampled.seed
+    settings, seed = case.sampling, 1 if case.sampling is None else case.sampling.seed
     inputs = () if settings is None else uncertain_inputs(case, settings)
     uniform = sobol_points(_DRAWS, max(sum(uncertain.dimensions for uncertain in inputs), 1), seed)
     input_values = drawn_values(inputs, uniform)
@@ -438,7 +438,7 @@ def _judge(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -
         Request(evaluations[0].solver, SILENT),
         [ACCURACY, OPENING],
     )
-    tail, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
+    tail, loads = 0.5 - 0.5 * (case.sampling or Uncertainty()).confidence, []
     shares = tail, 0.5, 1.0 - tail
     for load, rates in zip(seal.loads, y.T, strict=True):
         low, middle, high = _exp(percentiles(rates, weights, shares))
@@ -521,7 +521,7 @@ def _earlier(case: Case) -> float:
 
 def _settings_for(case: Case, base: Case, settings: Uncertainty | None) -> Uncertainty | None:
     """What is uncertain with another fluid: not the viscosity of the case's own."""
-    return settings if _fluid(case) == _fluid(base) else case.sampled
+    return settings if _fluid(case) == _fluid(base) else case.sampling
 
 
 def _drive(readings: Sequence[MeasuredLeak]) -> FloatArray:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, OptionalSteps, Request, loads_of
@@ -64,8 +64,6 @@ ANSWERS: tuple[Answer[Any], ...] = (
     SET_PRESSURE,
     SENSITIVITIES,
 )
-
-Read = TypeVar("Read", CaseLoad, LeakModel)
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {"leak": "leak rate"}

@@ -149,7 +149,7 @@ class _Outlook:
     @cached_property
     def profiles(self) -> MeasuredProfiles | None:
         """Of a seal whose finishes leave the height open."""
-        settings = self.seal.case.sampled
+        settings = self.seal.case.sampling
         skip = settings is None or "rms_height" in settings.spreads
         return None if skip or "rms_height" not in self.draws.values else measured_profiles(self.seal.case)
 

@@ -233,8 +233,8 @@ class _FormLoad:
         return _rate(circumference), circumference.least_over_mean, others
 
     def with_form(self, form: FormError) -> Circumference:
-        earlier = None if self.circumference.before is None else self.circumference.before.local
-        circumference = solve_both_around(form, self.circumference.local, earlier)
+        previous = None if self.circumference.before is None else self.circumference.before.local
+        circumference = solve_both_around(form, self.circumference.local, previous)
         return circumference if self.leaks is None else circumference.with_leak(self.leaks)
 
     def curve(self) -> list[FormPoint]:
@@ -283,8 +283,8 @@ def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     lowest, highest = sensible_forces([solver.problem])
 
     def deficit(place: float) -> float:
-        around = trials.load(place).circumference
-        return CLOSED_SHARE - (1.0 if around is None else around.least_over_mean)
+        shape = trials.load(place).circumference
+        return CLOSED_SHARE - (1.0 if shape is None else shape.least_over_mean)
 
     start = math.log(load.contact_force)
     zero = find_zero(deficit, start, lowest=lowest, highest=highest, step=0.5, accuracy=_ACCURACY)

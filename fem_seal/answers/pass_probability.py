@@ -178,7 +178,7 @@ def pass_probabilities(
     ----------
     K. Chaloner, I. Verdinelli, Stat. Sci. 10, 273 (1995): runs that tell most of coefficients with a prior.
     """
-    case, settings = seal.case, seal.case.sampled
+    case, settings = seal.case, seal.case.sampling
     demand = case.requirement
     numbers = [n for n, load in enumerate(seal.loads) if demand and demand.judges(load.fluid_pressure)]
     none = {n: why for n in numbers if (why := why_none(case, seal.loads[n]))}
@@ -206,7 +206,7 @@ def why_none(case: Case, load: CaseLoad) -> str:
         return load.validity.reasons[0]
     if any(math.isnan(limit.leak_rate) for limit in limits(case, load.fluid_pressure)):
         return sentence("pass_probability", "no_limit")
-    if case.sampled is None and load.flow_error is None:
+    if case.sampling is None and load.flow_error is None:
         return sentence("pass_probability", "nothing_scatters")
     return ""
 
@@ -256,7 +256,7 @@ def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
 
 
 def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> PassProbability:
-    caps, settings = limits(case, load.fluid_pressure), case.sampled
+    caps, settings = limits(case, load.fluid_pressure), case.sampling
     own_error = error = load.flow_error or _NO_ERROR
     if settings is not None and settings.posterior is not None:
         # a leak test has left one of each sample
@@ -312,7 +312,7 @@ def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: Flo
     """
     from scipy.special import ndtri
 
-    base, settings = quick.samples, case.sampled
+    base, settings = quick.samples, case.sampling
     if settings is None or not settings.of_parts:
         return math.nan
     names = ["spectrum" if isinstance(source, UncertainScans) else source.name for source in base.inputs]

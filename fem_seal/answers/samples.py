@@ -176,7 +176,7 @@ def changed_surface(
     spectrum, peklenik = surface.spectrum, surface.peklenik
     if means or shares or shape:
         assert case.roughness is not None
-        spectrum, peklenik = case.roughness.combined(means, shares, shape)
+        spectrum, peklenik = case.roughness.combine(means, shares, shape)
     hardness = surface.hardness
     return replace(
         surface,

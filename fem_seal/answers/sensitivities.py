@@ -594,6 +594,6 @@ SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
     status=_STATUS,
     # among the times of summary.json
     clock="levers",
-    asked_by="sensitivities",
+    request_field="sensitivities",
     needs_unrequested=("case.requirement",),
 )

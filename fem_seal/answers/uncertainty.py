@@ -217,7 +217,7 @@ def leak_interval(
     >>> settings = Uncertainty(samples=1024, hardness=Spread(relative=0.1))
     >>> leak_interval(fem_seal.run(case), settings).high                # doctest: +SKIP
     """
-    if (settings := settings or result.case.sampled) is None:
+    if (settings := settings or result.case.sampling) is None:
         raise InputError.at("uncertainty", "is missing; say which inputs are uncertain")
     if problems := list(problems_with_uncertainty(result.case, settings)):
         raise InputError(*problems)
@@ -396,5 +396,5 @@ UNCERTAINTY = Answer[LeakInterval | None](
     lambda seal, request: not (curves(seal.case) and all(x.validity.outside_theory for x in seal.loads)),
     lambda load, number, interval: load if interval is None else interval.of_load(load, number),
     "leak rates of uncertain inputs",
-    needs=("case.sampled",),
+    needs=("case.sampling",),
 )

@@ -189,7 +189,7 @@ class Verdicts:
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Verdicts:
-    open_inputs = seal.problem.origin.usual_only or seal.case.sampled is not None
+    open_inputs = seal.problem.origin.usual_only or seal.case.sampling is not None
     complete = UNCERTAINTY.of(request.answers) is not None or not open_inputs
     loads = with_verdicts(seal.case, seal.loads, complete=complete)
     verdict = seal_verdict(seal.case, loads, seal.load_problems, seal.problem.hardness)
@@ -268,7 +268,7 @@ def forces_for_verdict(
     sampled_loads = {
         pressure: load
         for pressure, load in by_pressure.items()
-        if not (problem.origin.usual_only or (case.sampled is not None and load.sample_ends is None))
+        if not (problem.origin.usual_only or (case.sampling is not None and load.sample_ends is None))
     }
     lowest, highest = sensible_forces(result.problems)
     starts = {
@@ -479,7 +479,7 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
         return _with_validity(problem, load.with_values(mesh_error=error))
 
     load = load_of_parts([*map(with_accuracy, alone.parts)])
-    if seal.case.sampled is None or load.validity.outside_theory:
+    if seal.case.sampling is None or load.validity.outside_theory:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
 
@@ -493,5 +493,5 @@ VERDICT_FORCE = Answer[Sequence[VerdictForce]](
     lambda seal, request: seal.case.bolts is None,
     lambda load, number, forces: load.with_values(verdict_force=forces[number]) if forces else load,
     needs=("case.load.target_leak_rate", "problem.leaks"),
-    asked_by="verdict_force",
+    request_field="verdict_force",
 )

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import model_validator
 
 from fem_seal.bolts import STRESS_AREAS, nominal_diameter, preload_of_torque
-from fem_seal.case.fields import Number, OneOrMany, Quantity, Table, Whole
+from fem_seal.case.fields import Number, OneOrMany, Quantity, Table, WholeNumber
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.temperature import Kelvin
 from fem_seal.case.words import wrong
@@ -19,7 +19,7 @@ NUT_FACTOR = 0.2
 class BoltsTable(Table):
     """[bolts]: bolts that close the seal, in place of load.applied_force; see guide/flange in the manual."""
 
-    number: Annotated[int, Whole(1, 1000)]
+    number: Annotated[int, WholeNumber(1, 1000)]
     size: str | None = None
     stress_area: Annotated[float, Quantity("area", "0.1 mm^2", "1e5 mm^2")] | None = None
     length: Annotated[float, Quantity("length", "1 mm", "10 m")]

@@ -277,10 +277,10 @@ class Case(CaseTables):
         return entries.get(name) if isinstance(entries, Mapping) else None
 
     @property
-    def sampled(self) -> Uncertainty | None:
+    def sampling(self) -> Uncertainty | None:
         """What is uncertain, of a lower flange of its own as well; None if nothing is."""
-        settings = super().sampled
-        return settings if settings is not None or self._lower_half is None else self._lower_half.sampled
+        settings = super().sampling
+        return settings if settings is not None or self._lower_half is None else self._lower_half.sampling
 
     def without_loads(self, numbers: Collection[int]) -> Self:
         """The same without some of its loads; at least one must be left."""

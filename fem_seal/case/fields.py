@@ -487,7 +487,7 @@ def about(table: type[BaseModel]) -> str:
     return table.__doc__ or own_tables("keys.toml")["shapes"][table.__name__]
 
 
-class Whole(Number):
+class WholeNumber(Number):
     """A whole number between `low` and `high`."""
 
     @property

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from fem_seal.case.fields import Quantity, Table, Whole, show
+from fem_seal.case.fields import Quantity, Table, WholeNumber, show
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
@@ -35,7 +35,7 @@ _LEAST_SHARE = 1e-9
 class Harmonic(Table):
     """A wave around the axis, deviation = amplitude cos(waves phi - phase)."""
 
-    waves: Annotated[int, Whole(1, MOST_WAVES)]
+    waves: Annotated[int, WholeNumber(1, MOST_WAVES)]
     amplitude: Annotated[float, DEVIATION]
     phase: Annotated[float, TURN] = 0.0
 
@@ -45,7 +45,7 @@ class MeasuredTrace(Table):
 
     file: str
     unit: str | None = None
-    waves: Annotated[int, Whole(2, MOST_WAVES)] = _USUAL_WAVES
+    waves: Annotated[int, WholeNumber(2, MOST_WAVES)] = _USUAL_WAVES
 
     _trace: Trace | None = None
 
@@ -168,7 +168,7 @@ class BodyForm(Table):
     harmonics: tuple[Harmonic, ...] = Field((), strict=False)
     trace: MeasuredTrace | None = None
     tolerance: Annotated[float, DEVIATION] | None = None
-    tolerance_waves: tuple[Annotated[int, Whole(2, 100)], Annotated[int, Whole(2, 100)]] = Field(
+    tolerance_waves: tuple[Annotated[int, WholeNumber(2, 100)], Annotated[int, WholeNumber(2, 100)]] = Field(
         (2, _USUAL_WAVES), strict=False
     )
 

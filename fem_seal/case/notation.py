@@ -276,7 +276,7 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
         if isinstance(entries, Mapping) and is_said_of_one_side(entries.get(key)):
             converter = _Differences(f"{table}.{key}", fluid)
             new_tables[table] = {**entries, key: converter.of(entries[key])}
-            wrong += converter.wrong
+            wrong += converter.problems
     return new_tables, wrong
 
 
@@ -302,8 +302,8 @@ def as_difference(path: str, entry: Any, fluid: object) -> Any:
         return entry
     converter = _Differences(f"parameters.{path}", fluid)
     differences = converter.of(entry)
-    if converter.wrong:
-        raise InputError(*converter.wrong)
+    if converter.problems:
+        raise InputError(*converter.problems)
     return differences
 
 
@@ -332,7 +332,7 @@ class _Differences:
     """What pressures of one key become across the seal of this fluid."""
 
     def __init__(self, key: str, fluid: object) -> None:
-        self.key, self.wrong = key, list[Problem]()
+        self.key, self.problems = key, list[Problem]()
         self.outlet, self.is_gas = _outlet(fluid)
 
     def of(self, entry: Any) -> Any:
@@ -360,7 +360,7 @@ class _Differences:
     def _refuse(self, name: str, text: str, plain: str) -> str:
         """The pressure as it is written, and one problem more."""
         outlet = (self.outlet or 0.0) / 1e5
-        self.wrong.append(problem(name, key=self.key, outlet=outlet, value=show(text)))
+        self.problems.append(problem(name, key=self.key, outlet=outlet, value=show(text)))
         return plain
 
 

@@ -209,20 +209,20 @@ _LARGEST_MISFIT = 0.5
 class Texts(Entry):
     """A list of texts, a tuple after reading."""
 
-    def __init__(self, *, most: int, what: str) -> None:
-        self.most, self.what = most, what
+    def __init__(self, *, limit: int, example: str) -> None:
+        self.limit, self.example = limit, example
 
     def read(self, value: object) -> tuple[str, ...]:
         """The texts; ValueError if it is no list of texts."""
         if not isinstance(value, (list, tuple)) or not all(isinstance(text, str) for text in value):
-            raise ValueError(f"must be a list of texts, such as {self.what}")
-        if not 0 < len(value) <= self.most:
-            raise ValueError(f"has {len(value)} entries; allowed are 1 to {self.most}")
+            raise ValueError(f"must be a list of texts, such as {self.example}")
+        if not 0 < len(value) <= self.limit:
+            raise ValueError(f"has {len(value)} entries; allowed are 1 to {self.limit}")
         return tuple(value)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": self.most}
+        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": self.limit}
 
 
 class LengthUnits(Texts):
@@ -315,10 +315,10 @@ class MeasuredSpectrum(Table):
 
     kind: Literal["profile"]
     file: str | None = None
-    files: Annotated[tuple[str, ...], Texts(most=_MOST_FILES, what='["scan1.csv", "scan2.csv"]')] | None = (
-        None
-    )
-    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = None
+    files: (
+        Annotated[tuple[str, ...], Texts(limit=_MOST_FILES, example='["scan1.csv", "scan2.csv"]')] | None
+    ) = None
+    unit: Annotated[tuple[str, ...], LengthUnits(limit=2, example='["mm", "um"]')] | None = None
     detrend: Literal["tilt", "mean", "curvature"] = "tilt"
     window: Literal["hann", "none"] = "hann"
     tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = None
@@ -476,9 +476,9 @@ class Roughness(FinishKeys):
 
     def build(self) -> PowerSpectrum:
         """Spectrum of the gap between the undeformed surfaces."""
-        return self.combined()[0]
+        return self.combine()[0]
 
-    def combined(
+    def combine(
         self,
         swaps: Mapping[str, PowerSpectrum] | None = None,
         shares: Mapping[str, float] | None = None,

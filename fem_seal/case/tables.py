@@ -31,7 +31,7 @@ from fem_seal.case.fields import (
     Several,
     Table,
     Throughput,
-    Whole,
+    WholeNumber,
 )
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
@@ -173,9 +173,9 @@ CONTACT_PRESSURE = Quantity("pressure", "1 Pa", "1e6 GPa")
 class Direct(Table):
     """[direct]: direct simulation of a rough patch, see guide/direct in the manual."""
 
-    points: Annotated[int, Whole(32, 4096)] = 256
-    samples: Annotated[int, Whole(1, 200)] = 3
-    seed: Annotated[int, Whole(0, 10**9)] = 1
+    points: Annotated[int, WholeNumber(32, 4096)] = 256
+    samples: Annotated[int, WholeNumber(1, 200)] = 3
+    seed: Annotated[int, WholeNumber(0, 10**9)] = 1
     size: Annotated[float, Quantity("length", "1 nm", "1 m")] | None = None
     waves: Annotated[float, Number(1, 100)] = 8.0
     points_per_wave: Annotated[float, Number(2, 100)] = 4.0
@@ -229,8 +229,8 @@ class Uncertainty(Table):
     The length of measured scans is always among them.
     """
 
-    samples: Annotated[int, Whole(16, 100000)] = 256
-    seed: Annotated[int, Whole(0, 2**31 - 1)] = 1
+    samples: Annotated[int, WholeNumber(16, 100000)] = 256
+    seed: Annotated[int, WholeNumber(0, 2**31 - 1)] = 1
     confidence: Annotated[float, Number(0.5, 0.999)] = 0.9
     viscosity: Spread | None = None
     hardness: Spread | None = None
@@ -665,7 +665,7 @@ class CaseTables(Table):
         return asperities or ("capped" if self.leak.plasticity and self.hardness is not None else "elastic")
 
     @property
-    def sampled(self) -> Uncertainty | None:
+    def sampling(self) -> Uncertainty | None:
         """What is uncertain: [uncertainty], or for a finish without it a table that adds nothing; None if nothing is.
 
         None also where samples cannot be calculated: without a fluid, or with a direct simulation.

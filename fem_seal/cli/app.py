@@ -254,7 +254,7 @@ def check(
     numbers["contact_size_m"] = size_mesh(problem).contact_size
     numbers["requirement"] = requirement_numbers(case)
     numbers["run_time_s"] = run_seconds(
-        problem, samples=case.sampled is not None, target=case.load.target_leak_rate is not None
+        problem, samples=case.sampling is not None, target=case.load.target_leak_rate is not None
     )
     limits = [
         *foresee_findings(problem, derivation),

@@ -135,7 +135,7 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
     look = own_tables("explore/looks.toml")
     session = answers.newest
     # the first numbers are read before plotly.js is loaded; dash makes a layout of its own before, to check it
-    first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
+    first = answers.first_screen(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
     begins: dict[str, Any] = {}
     if first is not None and first.load:
         state = _state(first, answers)
@@ -321,7 +321,7 @@ def _input_rows(answers: Answers, screens: Sequence[Screen]) -> dict[str, list[s
 
 def _settle_later(answers: Answers, question: PageRequest) -> None:
     """Begin with the complete run when nothing newer was asked for a while."""
-    timer = threading.Timer(_REST, answers.rest, (question.design, question.page, question.number))
+    timer = threading.Timer(_REST, answers.work_ahead, (question.design, question.page, question.number))
     timer.daemon = True
     timer.start()
 

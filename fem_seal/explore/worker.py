@@ -84,18 +84,18 @@ class Calculator:
     """
 
     def __init__(self, work: Callable[[], Work], notify: Callable[[str], None]) -> None:
-        self._work, self._told = work, notify
-        self._calculating, self._lock = Lock(), RLock()
+        self._work, self._notify = work, notify
+        self._turn, self._lock = Lock(), RLock()
         self._connection: Connection | None = None
         self._process: BaseProcess | None = None
         self._current: Calculation | None = None
         self._deadline = math.inf
-        self._closed = False
+        self._is_closed = False
 
     def start(self) -> None:
         """Start the process, if there is none: a copy of this one, where that may be."""
         with self._lock:
-            if self._closed:
+            if self._is_closed:
                 raise LostError
             if self._connection is None:
                 context = get_context("fork" if can_copy() else "spawn")
@@ -122,7 +122,7 @@ class Calculator:
         LeftError
             If it was left.
         """
-        with self._calculating:
+        with self._turn:
             for is_last in (False, True):
                 try:
                     self.start()
@@ -146,7 +146,7 @@ class Calculator:
     def close(self) -> None:
         """End the process."""
         with self._lock:
-            self._closed = True
+            self._is_closed = True
             if self._process is not None:
                 self._process.kill()
                 self._process.join(2.0)
@@ -168,14 +168,14 @@ class Calculator:
     def _say_end(self, *, is_last: bool) -> None:
         """Say that the process has ended, and after the last one raise it."""
         with self._lock:
-            if self._closed or self._connection is None or self._process is None:
+            if self._is_closed or self._connection is None or self._process is None:
                 raise LostError("There is no process to calculate with.")
             self._connection.close()
             self._connection = None
             self._process.join()
             hung = time.monotonic() > self._deadline
             message = lost_words(None if hung else self._process.exitcode or 0, has_successor=not is_last)
-        self._told(message)
+        self._notify(message)
         if is_last:
             raise LostError(message)
 
@@ -308,20 +308,20 @@ class Answers:
         self._sessions = {"": session}
         self._calculate = calculate or self._calculate_apart
         self._live, self._complete = KeyedStore(_SCREENS), KeyedStore(_SCREENS)
-        self._lock, self._answering = RLock(), RLock()
+        self._lock, self._answer_lock = RLock(), RLock()
         # the newest question of each page; grows with everything that a page may be waiting for
         self._newest: dict[str, int] = {}
         self.news = 0
         # the design whose run has begun, and those whose runs ended their process, with the reason
-        self._settling: dict[str, str] = {}
+        self._run_design: dict[str, str] = {}
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
         # reports that are done: why there is none, or nothing
-        self._written: dict[str, str] = {}
-        self._lost, self._lost_at = "", -math.inf
+        self._report_problems: dict[str, str] = {}
+        self._loss, self._lost_at = "", -math.inf
         self._designs, self._runs = Calculator(live_work, self._say), Calculator(complete_work, self._say)
-        self._first = Thread(target=self.screen, args=({},), daemon=True)
+        self._first_thread = Thread(target=self.screen, args=({},), daemon=True)
         self._queue = ThreadPoolExecutor(1)
-        self._closed = False
+        self._is_closed = False
 
     def of(self, design: Mapping[str, str]) -> Session:
         """The session of the case that a design belongs to.
@@ -347,9 +347,9 @@ class Answers:
     def begin(self) -> None:
         """Calculate the first numbers in another process, while this one loads what the page needs."""
         self._designs.start()
-        self._first.start()
+        self._first_thread.start()
 
-    def first(self, limit: float) -> Screen | None:
+    def first_screen(self, limit: float) -> Screen | None:
         """The first numbers, for a page that begins with the case's own design; None if they take longer.
 
         Parameters
@@ -357,9 +357,9 @@ class Answers:
         limit : float
             [s]
         """
-        if self.newest is not self.session or self._first.ident is None:
+        if self.newest is not self.session or self._first_thread.ident is None:
             return None
-        self._first.join(limit)
+        self._first_thread.join(limit)
         first = self._live.find(_name(self.session.design({})))
         return None if first is None else self._with_run(first)
 
@@ -378,14 +378,14 @@ class Answers:
             # with which a page begins that is opened again
             self.newest = self.of(design)
             self._newest[page] = max(number, self._newest.get(page, 0))
-        with self._answering:
+        with self._answer_lock:
             return self.screen(design) if number >= self._newest[page] else None
 
     def screen(self, design: Mapping[str, str]) -> Screen:
         """What is shown of a design."""
         session = self.of(design)
         design = session.design(design)
-        with self._answering:
+        with self._answer_lock:
             live: Screen | None = self._live.find(_name(design))
             if live is None:
                 live = session.answer(design, self._calculate)
@@ -393,7 +393,7 @@ class Answers:
                     self._live.put(_name(design), live)
         return self._with_run(live)
 
-    def rest(self, design: Mapping[str, str], page: str, number: int) -> None:
+    def work_ahead(self, design: Mapping[str, str], page: str, number: int) -> None:
         """Begin with the complete run of a design and calculate its neighbours, until the page asks for another one.
 
         Parameters
@@ -412,9 +412,9 @@ class Answers:
         session = self.of(design)
         design = session.design(design)
         with self._lock:
-            if design == self._settling or self.complete(design) or self.failure_reason(design):
+            if design == self._run_design or self.complete(design) or self.failure_reason(design):
                 return
-            self._settling = design
+            self._run_design = design
         self._begin(Calculation(session.case(design), design))
 
     def report(self, design: Mapping[str, str], folder: Path) -> None:
@@ -424,7 +424,7 @@ class Answers:
 
     def report_problem(self, folder: Path) -> str | None:
         """Why there is no report of those that were asked for; empty if there is one, None while it is made."""
-        return self._written.get(str(folder))
+        return self._report_problems.get(str(folder))
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
         """The screen of a design's complete run, if it is there."""
@@ -438,18 +438,18 @@ class Answers:
     @property
     def loss_message(self) -> str:
         """What became of a process that ended a short while ago; empty if none did."""
-        return self._lost if time.monotonic() - self._lost_at < _NOTICE_TIME else ""
+        return self._loss if time.monotonic() - self._lost_at < _NOTICE_TIME else ""
 
     def close(self) -> None:
         """End the processes."""
-        self._closed = True
+        self._is_closed = True
         self._queue.shutdown(wait=False, cancel_futures=True)
         self._designs.close()
         self._runs.close()
 
     def _is_at_rest(self, page: str, number: int) -> bool:
         """Whether a page has asked for nothing newer."""
-        return not self._closed and number >= self._newest.get(page, 0)
+        return not self._is_closed and number >= self._newest.get(page, 0)
 
     def _calculate_apart(self, case: Case, design: Mapping[str, str]) -> Screen:
         (screen,) = self._designs.screens(Calculation(case, dict(design)), _PATIENCE)
@@ -466,11 +466,11 @@ class Answers:
     def _begin(self, calculation: Calculation) -> None:
         """Run a design after what is going on, which is left unless it is a report."""
         self._runs.leave()
-        if not self._closed:
+        if not self._is_closed:
             self._queue.submit(self._run, calculation)
 
     def _run(self, calculation: Calculation) -> None:
-        if not calculation.folder and calculation.design != self._settling:
+        if not calculation.folder and calculation.design != self._run_design:
             return
         name, problem = _name(calculation.design), ""
         try:
@@ -487,13 +487,13 @@ class Answers:
             if not calculation.folder:
                 self._given_up[name] = problem
         if calculation.folder:
-            self._written[calculation.folder] = problem
-        elif self._settling == calculation.design:
-            self._settling = {}
+            self._report_problems[calculation.folder] = problem
+        elif self._run_design == calculation.design:
+            self._run_design = {}
         self.news += 1
 
     def _say(self, message: str) -> None:
-        self._lost, self._lost_at = message, time.monotonic()
+        self._loss, self._lost_at = message, time.monotonic()
         self.news += 1
 
 

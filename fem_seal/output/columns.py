@@ -273,7 +273,7 @@ _OF: dict[str, Callable[[CaseLoad], float | None]] = {
 
 # What no key of a case says alone, and the part of a path by which a study may vary it.
 _CONDITIONS: dict[str, tuple[Callable[[CaseTables], object], str]] = {
-    "[uncertainty]": (lambda case: case.sampled, ""),
+    "[uncertainty]": (lambda case: case.sampling, ""),
     'an entry of [uncertainty] with varies = "part"': (
         lambda case: case.uncertainty and case.uncertainty.of_parts,
         "",

@@ -350,7 +350,7 @@ class SurfaceOrigin:
         if rough is None:
             return cls(face_remarks=remarks)
         of_finish = bool(rough.finishes)
-        usual_only = of_finish and case.fluid is not None and case.sampled is None
+        usual_only = of_finish and case.fluid is not None and case.sampling is None
         return cls(tuple(rough.remarks()), remarks, of_finish, usual_only, rough.cutoff)
 
 
@@ -595,7 +595,7 @@ def rough_contact(case: CaseTables) -> RoughContact | None:
 
     if case.roughness is None:
         return None
-    spectrum, peklenik = case.roughness.combined()
+    spectrum, peklenik = case.roughness.combine()
     return RoughContact(
         spectrum,
         effective_modulus=case.effective_modulus,

@@ -41,9 +41,9 @@ def design_seconds(case: Case, columns: Collection[str]) -> float:
         Of leak.csv.
     """
     verdict = FORCE_FOR_VERDICT in columns
-    has_samples = case.sampled is not None and (verdict or not INTERVAL.isdisjoint(columns))
-    samples = 0 if case.sampled is None or not has_samples else case.sampled.samples
-    if case.sampled is not None and not PASS_COLUMNS.isdisjoint(columns):
+    has_samples = case.sampling is not None and (verdict or not INTERVAL.isdisjoint(columns))
+    samples = 0 if case.sampling is None or not has_samples else case.sampling.samples
+    if case.sampling is not None and not PASS_COLUMNS.isdisjoint(columns):
         samples += _FOR_SHARE
     load_time = seconds(case) + _SAMPLE * samples + (OWN if has_samples else 0.0)
     target = case.load.target_leak_rate is not None

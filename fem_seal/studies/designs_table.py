@@ -77,9 +77,9 @@ class Designs:
     @property
     def confidence(self) -> float:
         """Probability to pass that a constraint asks for, or that is usual."""
-        return self.allowed(PASSES)[0]
+        return self.allowed_range(PASSES)[0]
 
-    def allowed(self, name: str) -> tuple[float, float]:
+    def allowed_range(self, name: str) -> tuple[float, float]:
         """Between which values of a column a design keeps the requirement and the constraints [SI]."""
         is_rate = name.startswith("leak_rate") and name.endswith("_m3_per_s")
         low = 1.0 if name == "margin" else -math.inf

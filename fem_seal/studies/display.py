@@ -96,10 +96,10 @@ class DesignDisplay:
         """The same to be drawn: zeros stand below all other numbers of a logarithmic axis."""
         if not self.logarithmic(name):
             return self.values(rows, name)
-        lifted = dict(zip(self.numbers(name).index, self._lifted(name).tolist(), strict=True))
+        lifted = dict(zip(self.numbers(name).index, self._lifted_values(name).tolist(), strict=True))
         return [lifted[row] if math.isfinite(lifted[row]) else None for row in rows]
 
-    def _lifted(self, name: str) -> FloatArray:
+    def _lifted_values(self, name: str) -> FloatArray:
         return lift_zeros(self.convert(name, self.numbers(name).to_numpy(dtype=float)))
 
     def places(self, name: str, values: Iterable[Any]) -> list[Any]:
@@ -110,13 +110,13 @@ class DesignDisplay:
 
     def limits(self, name: str) -> tuple[float, float]:
         """Between which values of a column a design keeps the requirement and the constraints, in its unit."""
-        low, high = self.convert(name, self.designs.allowed(name)).tolist()
+        low, high = self.convert(name, self.designs.allowed_range(name)).tolist()
         return low, high
 
     def ticks(self, name: str) -> tuple[list[float], list[str]]:
         """Places of the marks on the axis of a numeric column, as it is drawn, and their texts."""
         logarithmic = self.logarithmic(name)
-        column = self._lifted(name) if logarithmic else self.convert(name, self.numbers(name))
+        column = self._lifted_values(name) if logarithmic else self.convert(name, self.numbers(name))
         column = np.unique(column[np.isfinite(column)])
         if not column.size:
             return [], []

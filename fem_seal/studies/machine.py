@@ -39,7 +39,7 @@ class LocalWorkers(Workers):
         self._put: Callable[[Any], None] = lambda event: None
         self._processes: dict[str, Processes | None] = {str(n): None for n in range(count)}
         self._memory = _SHARE * usable_memory() / count
-        self._started = False
+        self._has_started = False
 
     def names(self) -> list[str]:
         """See `Workers`."""
@@ -74,7 +74,7 @@ class LocalWorkers(Workers):
         with closing(worker), suppress(EOFError, OSError):
             while True:
                 message = worker.recv()
-                self._started = True
+                self._has_started = True
                 if message is not None:
                     self._put(message)
 
@@ -83,7 +83,7 @@ class LocalWorkers(Workers):
         try:
             return future.result()
         except BrokenProcessPool as error:
-            if not self._started:
+            if not self._has_started:
                 raise ClusterError(sentence("study_no_workers", error=error)) from None
             return None
 

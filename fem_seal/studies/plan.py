@@ -175,7 +175,7 @@ _MEDIAN = "leak_rate_p50_m3_per_s"
 _SHARES = ("pass_probability", "batch_share_p05")
 
 
-def _missing(study: StudyPlan, column: str) -> list[str]:
+def _missing_sources(study: StudyPlan, column: str) -> list[str]:
     """What no design has of what fills a column."""
     missing = COLUMNS[column].lacking(study.case, study.names)
     return [source for source in missing if source.startswith("[") or not COLUMNS[column].repeats]
@@ -191,7 +191,7 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[st
         requests.update(formula.names)
     companions = {_MARGIN} if _VERDICT in requests else set()
     if _LEAK_RATE in requests:
-        companions.update(name for name in _COMPANIONS if not _missing(study, name))
+        companions.update(name for name in _COMPANIONS if not _missing_sources(study, name))
     columns = tuple(name for name in LEAK_COLUMNS if name in requests | companions)
     return columns, tuple(name for name in columns if name not in requests)
 
@@ -248,7 +248,7 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     """InputError if a column stays empty in every design."""
-    missing = _missing(study, name) if name in COLUMNS else ()
+    missing = _missing_sources(study, name) if name in COLUMNS else ()
     if missing:
         raise InputError.at(key, f"{name} needs {missing[0]} in the base case")
 

@@ -16,19 +16,19 @@ _PAUSE = 10.0
 class Progress:
     """What a running study tells; this one says nothing."""
 
-    total = done = failed = done_before = 0
+    total = done_count = failed_count = done_before = 0
     """Designs of the study; those that are done, those of them that failed in this run, and those done before it."""
-    _started = 0.0
+    _start = 0.0
 
     def begin(self, total: int, done_before: int) -> None:
         """So many designs, of which so many are calculated already."""
-        self.total, self.done, self.failed, self.done_before = total, done_before, 0, done_before
-        self._started = time.monotonic()
+        self.total, self.done_count, self.failed_count, self.done_before = total, done_before, 0, done_before
+        self._start = time.monotonic()
 
     def advance(self, done: int, failed: int) -> None:
         """So many more are done, so many of them failed."""
-        self.done += done
-        self.failed += failed
+        self.done_count += done
+        self.failed_count += failed
 
     def note(self, text: str) -> None:
         """Something to know meanwhile."""
@@ -39,7 +39,7 @@ class Progress:
     @property
     def rate(self) -> float:
         """Designs of this run in a second."""
-        return (self.done - self.done_before) / max(time.monotonic() - self._started, 1e-9)
+        return (self.done_count - self.done_before) / max(time.monotonic() - self._start, 1e-9)
 
 
 class Lines(Progress):
@@ -59,7 +59,7 @@ class Lines(Progress):
         """See `Progress`."""
         super().advance(done, failed)
         if time.monotonic() - self._last_line > _PAUSE:
-            self._last_line, self._done_in_line = time.monotonic(), self.done
+            self._last_line, self._done_in_line = time.monotonic(), self.done_count
             self.note(self._state())
 
     def note(self, text: str) -> None:
@@ -69,14 +69,14 @@ class Lines(Progress):
 
     def end(self) -> None:
         """See `Progress`."""
-        if self._done_in_line < self.done and self.done_before < self.done:
+        if self._done_in_line < self.done_count and self.done_before < self.done_count:
             self.note(self._state())
 
     def _state(self) -> str:
         rate = self.rate
-        time_left = duration((self.total - self.done) / rate) if rate > 0 else "unknown time"
-        failures = f", {self.failed} failed" if self.failed else ""
-        return f"{self.done} of {self.total} designs{failures}, {rate:.3g}/s, {time_left} left"
+        time_left = duration((self.total - self.done_count) / rate) if rate > 0 else "unknown time"
+        failures = f", {self.failed_count} failed" if self.failed_count else ""
+        return f"{self.done_count} of {self.total} designs{failures}, {rate:.3g}/s, {time_left} left"
 
 
 class Bar(Progress):
@@ -108,7 +108,7 @@ class Bar(Progress):
     def advance(self, done: int, failed: int) -> None:
         """See `Progress`."""
         super().advance(done, failed)
-        failures = f"{self.failed} failed" if self.failed else ""
+        failures = f"{self.failed_count} failed" if self.failed_count else ""
         self._bar.update(self._task, advance=done, rate=f"{self.rate:.3g}/s", failed=failures)
 
     def note(self, text: str) -> None:

@@ -149,7 +149,7 @@ def evaluate_designs(
 
 def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     """Where a design's bodies come from: a mesh of its own costs little beside samples of its inputs."""
-    if case.sampled is not None and not INTERVAL.isdisjoint(columns):
+    if case.sampling is not None and not INTERVAL.isdisjoint(columns):
         return OWN_BODIES
     can_yield = any(body.table.material.yield_stress for body in case.every_body)
     stress = can_yield or not {"max_von_mises_Pa", "max_accumulated_plastic_strain"}.isdisjoint(columns)
@@ -184,7 +184,7 @@ def _check_validity(
     interpolate: bool,
 ) -> CaseLoad:
     """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
-    with_samples = case.sampled is not None and not INTERVAL.isdisjoint(columns)
+    with_samples = case.sampling is not None and not INTERVAL.isdisjoint(columns)
     with_chance = not PASS_COLUMNS.isdisjoint(columns)
     usual_only = leaks and not (with_samples or with_chance)
     by_table = partial(validity_of, by_table=leaks and interpolate)

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.fields import Quantity, Table, Whole, show
+from fem_seal.case.fields import Quantity, Table, WholeNumber, show
 from fem_seal.case.paths import Entry, Value
 from fem_seal.case.schema import as_schema
 from fem_seal.case.words import problem
@@ -254,8 +254,8 @@ class Design(Table):
 
     kind: Kind = "grid"
     file: str | None = None
-    num: Annotated[int, Whole(1, MOST_POINTS)] | None = None
-    seed: Annotated[int, Whole(0, 2**31 - 1)] = 1
+    num: Annotated[int, WholeNumber(1, MOST_POINTS)] | None = None
+    seed: Annotated[int, WholeNumber(0, 2**31 - 1)] = 1
     invalid: Literal["refuse", "skip"] = "refuse"
 
 
@@ -263,7 +263,7 @@ class Run(Table):
     """[run]: how the designs are calculated."""
 
     interpolate_surfaces: bool = True
-    retries: Annotated[int, Whole(0, 20)] = 3
+    retries: Annotated[int, WholeNumber(0, 20)] = 3
     time_limit: Annotated[float, Quantity("time", "1 s", "1000 h")] = 1800.0
     keep_fields: tuple[int, ...] | Literal["none", "best"] = "none"
 
@@ -280,9 +280,9 @@ class Optimise(Table):
 
     minimise: str | tuple[str, ...] | None = None
     maximise: str | tuple[str, ...] | None = None
-    trials: Annotated[int, Whole(1, 1_000_000)] = 100
-    batch: Annotated[int, Whole(1, 1000)] = 4
-    seed: Annotated[int, Whole(0, 2**31 - 1)] = 1
+    trials: Annotated[int, WholeNumber(1, 1_000_000)] = 100
+    batch: Annotated[int, WholeNumber(1, 1000)] = 4
+    seed: Annotated[int, WholeNumber(0, 2**31 - 1)] = 1
 
 
 class StudyTables(Table):

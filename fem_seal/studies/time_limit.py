@@ -55,12 +55,12 @@ class Watch:
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
-        self._first = min(_SLOW, 0.25 * limit)
+        self._first_notice = min(_SLOW, 0.25 * limit)
         self._pause = min(1.0, 0.05 * limit)
         self._block: Block | None = None
         # held while somebody is told something
-        self._telling = threading.Lock()
-        self._closed = threading.Event()
+        self._tell_lock = threading.Lock()
+        self._end = threading.Event()
         self._thread = threading.Thread(target=self._look, daemon=True, name="time limit of a design")
 
     def __enter__(self) -> Self:
@@ -68,13 +68,13 @@ class Watch:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._closed.set()
+        self._end.set()
         self._thread.join()
 
     @contextmanager
     def turn(self, block: Block) -> Iterator[None]:
         """Look at the clock while a block runs for a while: what counts is all of its time, not that of others."""
-        block.tell = block.tell or self._first
+        block.tell = block.tell or self._first_notice
         block.start = time.monotonic() - block.duration
         block.runs, block.end = True, None
         self._block = block
@@ -84,13 +84,13 @@ class Watch:
             block.runs = False
             if block.end is not None:
                 block.end.set()
-            with self._telling:
+            with self._tell_lock:
                 self._block = None
             block.duration = time.monotonic() - block.start
 
     def _look(self) -> None:
-        while not self._closed.wait(self._pause):
-            with self._telling:
+        while not self._end.wait(self._pause):
+            with self._tell_lock:
                 block = self._block
                 if block is not None and block.runs and time.monotonic() - block.start >= block.tell:
                     self._tell(block)
@@ -107,7 +107,7 @@ class Watch:
         if not block.runs:
             end.set()
         block.stop(end)
-        block.tell = time.monotonic() - block.start + self._first
+        block.tell = time.monotonic() - block.start + self._first_notice
 
 
 @contextmanager

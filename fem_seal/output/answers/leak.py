@@ -88,8 +88,8 @@ def sure(case: Case, load: CaseLoad) -> str:
         return ""
     also, share = "", 0.0
     if load.sample_ends is not None:
-        assert case.sampled is not None
-        kind, share = uncertain_in_words(case, load), case.sampled.confidence
+        assert case.sampling is not None
+        kind, share = uncertain_in_words(case, load), case.sampling.confidence
         also = "both" if load.others else "" if load.flow_error is None else "own"
     elif load.leak_range is not None and (not load.others or has_two_numbers(load)):
         kind, also = (

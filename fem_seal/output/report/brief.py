@@ -295,7 +295,7 @@ def _clear_unclaimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad])
     for n, load in enumerate(loads):
         if isinstance(load, MissingLoad):
             continue
-        open_inputs = case.sampled is not None and load.sample_ends is None
+        open_inputs = case.sampling is not None and load.sample_ends is None
         tight = column.column.kind == "flow" and not values[n]
         if load.validity.outside_theory and (tight or (open_inputs and name in (*_ENDS, "margin"))):
             values[n] = None

@@ -141,7 +141,7 @@ def test_a_finish_is_known_within_its_standard_error():
     wanted = one(roughness=FINISH, seat=cone(HARD), leak={"theory": "corrected"})
     seal = seal_of(wanted)
     rate = 1.2 * seal.loads[0].leak.leak_rate
-    found, settings = passing(seal, rate), wanted.sampled
+    found, settings = passing(seal, rate), wanted.sampling
     assert 0.1 < found.share < 0.9 and found.error <= 0.02
     # four times the runs
     many = Samples.of(seal, settings.model_copy(update={"samples": 4096}))
@@ -167,7 +167,7 @@ def exact_rate(problem):
 def test_complete_runs_of_a_finish_find_the_same_share_within_its_standard_error(share):
     wanted = one(roughness=FINISH, seat=cone(HARD), leak={"theory": "corrected"})
     seal, every = seal_of(wanted), 64
-    samples = Samples.of(seal, wanted.sampled)
+    samples = Samples.of(seal, wanted.sampling)
     # each of them solved as a run is, with a table of its own
     rates = np.array([exact_rate(*samples.problems(number)) for number in range(every)])
     assert samples.leak_rates(range(8))[:, 0, 0] == pytest.approx(rates[:8], rel=0.01)

@@ -75,12 +75,12 @@ def test_two_faces_add(base):
 def test_the_lay_of_the_steeper_face_prevails(base):
     turned = base.replace_written({"roughness.seat": "turned Ra 0.8 um"})
     both = base.replace_written({"roughness": {"seat": "turned Ra 0.8 um", "closure": "lapped Ra 0.2 um"}})
-    assert turned.roughness.combined()[1] == pytest.approx(0.2)
-    assert 0.2 < both.roughness.combined()[1] < 1.0
+    assert turned.roughness.combine()[1] == pytest.approx(0.2)
+    assert 0.2 < both.roughness.combine()[1] < 1.0
     radial = base.replace_written({"roughness.seat": {"Ra": "0.8 um", "process": "turned", "lay": "radial"}})
-    assert radial.roughness.combined()[1] == pytest.approx(5.0)
+    assert radial.roughness.combine()[1] == pytest.approx(5.0)
     told = base.replace_written({"roughness": {"seat": "turned Ra 0.8 um", "peklenik": 0.5}})
-    assert told.roughness.combined()[1] == 0.5
+    assert told.roughness.combine()[1] == 0.5
 
 
 def test_changes_from_another_kind_and_back(base):
@@ -208,7 +208,7 @@ def test_what_the_user_knows_is_no_longer_uncertain(base):
     from fem_seal.case.tables import Spread, Uncertainty
 
     known = base.replace_written({"roughness": {**LAPPED, "hurst": 0.8, "q_high": "6e6 1/m"}})
-    names = [one.name for one in uncertain_inputs(known, known.sampled)]
+    names = [one.name for one in uncertain_inputs(known, known.sampling)]
     assert names == ["q_rolloff", "rms_height"]
     told = Uncertainty(hurst=Spread(relative=0.05), hardness=Spread(relative=0.1))
     case = base.replace_written({"roughness": LAPPED})
@@ -315,7 +315,7 @@ def test_sampled_heights_have_the_quantiles_of_their_closed_form(base):
     case = base.replace_written({"roughness": {"seat": RANGE}})
     finish = case.roughness.seat.finish
     sampled = (np.arange(400) + 0.5) / 400
-    heights = [case.roughness.combined(shares={"Ra": one})[0].rms_height for one in sampled]
+    heights = [case.roughness.combine(shares={"Ra": one})[0].rms_height for one in sampled]
     shares = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
     ratio = height(case) / np.sqrt(0.08)
     assert np.quantile(heights, shares) == pytest.approx(ratio * 0.2 * 2.0**shares, rel=1e-3)
@@ -323,7 +323,7 @@ def test_sampled_heights_have_the_quantiles_of_their_closed_form(base):
     ratios = finish.spreads["rms_height"]
     places = sobol_points(2**11, 2, 1)
     both = [
-        case.roughness.combined(shares={"Ra": a, "rms_height": b})[0].rms_height for a, b in places.tolist()
+        case.roughness.combine(shares={"Ra": a, "rms_height": b})[0].rms_height for a, b in places.tolist()
     ]
     x = np.quantile(both, shares) / ratio
     below = np.log(x[:, None] / (0.2 * ratios.at(sampled))) / np.log(2.0)

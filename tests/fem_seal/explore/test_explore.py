@@ -686,7 +686,7 @@ def test_a_page_begins_with_the_first_numbers_and_draws_them_once(session):
     client = client_of(session, answers=answers)
     assert '"value-leak"' not in asked(client, "/_dash-layout").text
     first = answers.screen({})
-    answers._first.start()
+    answers._first_thread.start()
     begun = asked(client, "/_dash-layout")
     parts = {str(part["props"].get("id")): part["props"] for part in parts_of(begun.json)}
     assert parts["value-leak"]["data-si"] == str(first.load.values["leak_rate_m3_per_s"])
@@ -816,7 +816,7 @@ def test_what_was_given_up_is_refused_and_not_begun_again(session):
     assert answers.report_problem(Path("report.out"))[-30:] == why[-30:]
     news = answers.news
     answers.settle(design)
-    assert not answers._settling and answers.news == news
+    assert not answers._run_design and answers.news == news
 
 
 def test_neighbours_of_a_design_at_rest_are_calculated_ahead(session):
@@ -824,15 +824,15 @@ def test_neighbours_of_a_design_at_rest_are_calculated_ahead(session):
     answers._runs = Dying()
     answers._calculate = lambda case, design: asked.append(design) or Screen(design)
     assert answers.answer({}, "page", 1) == answers.screen({})
-    answers.rest({}, "page", 1)
+    answers.work_ahead({}, "page", 1)
     assert len(asked) == 41
     # those of surfaces, whose conductivities take longest, the nearest first
     stops = session.factors.sliders[-1].stops
     assert all(one["fluid_pressure"] == session.factors.base_design["fluid_pressure"] for one in asked)
     assert asked[1]["finish_spectrum"] == "1.04 um" and len(stops) > 40
-    answers.rest(asked[1], "page", 1)
+    answers.work_ahead(asked[1], "page", 1)
     answers.answer({"fluid_pressure": "21 bar"}, "page", 2)
-    answers.rest({}, "page", 1)
+    answers.work_ahead({}, "page", 1)
     assert asked[-1]["fluid_pressure"] == "21 bar"
 
 
