@@ -186,7 +186,7 @@ class Direct(Table):
     asperities: Asperities | None = None
     yield_stress: Annotated[float, CONTACT_PRESSURE] | None = None
     file: str | None = None
-    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = None
+    unit: Annotated[tuple[str, ...], LengthUnits(limit=2, example='["mm", "um"]')] | None = None
     continuation: Literal["mirror", "window"] = "mirror"
     folder: str | None = None
 
