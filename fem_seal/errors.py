@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import traceback
 import unicodedata
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
@@ -40,8 +43,30 @@ def _escape(sign: str) -> str:
 _MOST_LINES = 20
 
 
-class SealError(Exception):
-    """Base of all errors that fem_seal raises on purpose.
+class Text:
+    """What is said, as data: its quantities get their units where it is printed."""
+
+    def text(self, display: Any = None) -> str:
+        """In the units of a `fem_seal.units.Display`, those of the field unless given."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return self.text()
+
+
+def write(text: object, display: Any = None) -> str:
+    """A text, of data in the units of a display; see `Text.text`.
+
+    Parameters
+    ----------
+    text : object
+    display : Display, optional
+    """
+    return text.text(display) if isinstance(text, Text) else str(text)
+
+
+class SealError(Text, Exception):
+    """Base of all errors that fem_seal raises on purpose; `display` has the units of the case in which it was raised.
 
     Examples
     --------
@@ -50,36 +75,89 @@ class SealError(Exception):
     True
     """
 
+    display: Any = None
+
+    def text(self, display: Any = None) -> str:
+        """See `Text.text`."""
+        return " ".join(write(part, display) for part in self.args)
+
+    def __str__(self) -> str:
+        return self.text(self.display)
+
+
+@contextmanager
+def errors_in(display: Any) -> Iterator[None]:
+    """Errors that are raised meanwhile have their quantities in these units.
+
+    Parameters
+    ----------
+    display : Display
+    """
+    try:
+        yield
+    except SealError as error:
+        error.display = display
+        raise
+
 
 class QuantityError(SealError, ValueError):
     """A text is not a quantity of the required dimension, or its value is outside the allowed range."""
 
 
 @dataclass(frozen=True)
-class Problem:
-    """One wrong entry of an input.
+class Problem(Text):
+    """One wrong entry of an input, as data.
 
     Parameters
     ----------
     key : str
         Where it stands, such as ``seat.angle``; empty for the input as a whole.
-    message : str
-        What is wrong and what is allowed.
-    value : str or None
+    says : str or Text
+        What is wrong, and what is allowed where `remedy` does not say it.
+    given : str or Text, optional
         What stands there, as the user wrote it; None if nothing does.
+    remedy : str or Text
+        What to do.
     entry : str
-        Of templates/problems.toml, which has its text; empty of what was said elsewhere.
+        Of templates/problems.toml, which has its texts; empty of what was said elsewhere.
     """
 
     key: str
-    message: str
-    value: str | None = None
+    says: str | Text
+    given: str | Text | None = None
+    remedy: str | Text = field(default="", kw_only=True)
     entry: str = field(default="", kw_only=True)
 
-    def __str__(self) -> str:
+    def text(self, display: Any = None) -> str:
         """``key = value: message``, without the parts that do not exist; one line that may be printed."""
-        entry = self.key if self.value is None else f"{self.key} = {self.value}"
-        return printable(f"{entry}: {self.message}" if entry else self.message)
+        entry = self.key if self.given is None else f"{self.key} = {write(self.given, display)}"
+        message = self.message_in(display)
+        return printable(f"{entry}: {message}" if entry else message)
+
+    def message_in(self, display: Any = None) -> str:
+        """What is wrong and what is allowed, in the units of a display."""
+        return join_remedy(write(self.says, display), write(self.remedy, display))
+
+    @property
+    def message(self) -> str:
+        """What is wrong and what is allowed, in units of the field."""
+        return self.message_in()
+
+    @property
+    def value(self) -> str | None:
+        """What stands there, as the user wrote it, in units of the field; None if nothing does."""
+        return None if self.given is None else write(self.given)
+
+
+def join_remedy(says: str, remedy: str) -> str:
+    """What is wrong and what to do in one text.
+
+    Parameters
+    ----------
+    says, remedy : str
+        The second may be empty.
+    """
+    return f"{says}{'. ' if remedy[0].isupper() else '; '}{remedy}" if remedy else says
 
 
 @dataclass(frozen=True)
@@ -132,15 +210,15 @@ class InputError(SealError, ValueError):
 
     @classmethod
     def at(
-        cls, key: str, message: str, value: str | None = None, *, file: str | Path | None = None
+        cls, key: str, says: str | Text, given: str | Text | None = None, *, file: str | Path | None = None
     ) -> InputError:
         """The error of one wrong entry, see `Problem`."""
-        return cls(Problem(key, message, value), file=file)
+        return cls(Problem(key, says, given), file=file)
 
-    def __str__(self) -> str:
+    def text(self, display: Any = None) -> str:
         """One line per problem, each beginning with the file, and how many more there are."""
         prefix = "" if self.file is None else printable(f"{self.file}: ")
-        lines = [f"{prefix}{problem}" for problem in self.problems[:_MOST_LINES]]
+        lines = [f"{prefix}{problem.text(display)}" for problem in self.problems[:_MOST_LINES]]
         rest = len(self.problems) - len(lines)
         if rest:
             lines.append(f"{prefix}{rest} more entries are wrong; correct these first")
@@ -178,7 +256,7 @@ class ConvergenceError(SealError, RuntimeError):
 
     Parameters
     ----------
-    message : str
+    message : str or Text
         Which load, which residual, what to try.
     partial : object, optional
         Results of the loads solved before, or the last iterate.
@@ -190,7 +268,7 @@ class ConvergenceError(SealError, RuntimeError):
     True
     """
 
-    def __init__(self, message: str, partial: object = None) -> None:
+    def __init__(self, message: str | Text, partial: object = None) -> None:
         super().__init__(message)
         self.partial = partial
 
@@ -200,12 +278,12 @@ class LimitLoadError(ConvergenceError):
 
     Parameters
     ----------
-    message : str
+    message : str or Text
     body : str
         By what it is called.
     """
 
-    def __init__(self, message: str, body: str) -> None:
+    def __init__(self, message: str | Text, body: str) -> None:
         super().__init__(message)
         self.body = body
 
@@ -261,12 +339,14 @@ def defect_text(error: BaseException) -> str:
 _PACKAGES = ("fem_seal", "leak", "meshes")
 
 
-def error_text(error: Exception) -> str:
+def error_text(error: Exception, display: Any = None) -> str:
     """What an error says; one that nobody foresaw with its kind and the place in the program it comes from.
 
     Parameters
     ----------
     error : Exception
+    display : Display, optional
+        Units of what it says.
 
     Examples
     --------
@@ -274,7 +354,7 @@ def error_text(error: Exception) -> str:
     'leak.csv: no space left on device'
     """
     if type(error).__module__.split(".")[0] in _PACKAGES:
-        return " ".join(str(error).split())
+        return " ".join(write(error, display).split())
     if isinstance(error, MemoryError):
         return "not enough memory"
     name = type(error).__name__

@@ -19,9 +19,16 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import InputError, OutputError, QuantityError, SealError, TextTableError
-from fem_seal.units import current_display, parse_quantity
-from fem_seal.wording import fill
+from fem_seal.errors import (
+    InputError,
+    OutputError,
+    QuantityError,
+    SealError,
+    TextTableError,
+    join_remedy,
+)
+from fem_seal.units import parse_quantity
+from fem_seal.wording import Words
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -100,9 +107,10 @@ def own_tables(name: str) -> dict[str, Any]:
     return tomllib.loads(files("fem_seal").joinpath("templates", name).read_text(encoding="utf-8"))
 
 
-def sentence(name: str, /, **values: object) -> str:
-    """The text of a problem, by its name in templates/problems.toml; see `fem_seal.case.words.problem`."""
-    return fill(current_display(), own_tables("problems.toml")[name]["text"], **values)
+def sentence(name: str, /, **values: object) -> Words:
+    """What a problem says and what to do, by its name in templates/problems.toml; see `fem_seal.case.words.problem`."""
+    entry = own_tables("problems.toml")[name]
+    return Words(join_remedy(entry["says"], entry.get("remedy", "")), values)
 
 
 def _table_error(name: str, /, **values: object) -> TextTableError:

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError
-from fem_seal.units import format_value
+from fem_seal.wording import Quantity, Words
 
 # Where the numbers of a material hold unless a temperature is said [K].
 ROOM_TEMPERATURE = 293.15
@@ -85,10 +85,11 @@ class OverTemperature:
         return len(set(self.value)) > 1
 
     @property
-    def reach(self) -> str:
+    def reach(self) -> Words:
         """Where the number is known, in words."""
         low, high = self.temperature[0], self.temperature[-1]
-        return f"from {in_degrees(low)} to {in_degrees(high)}" if low < high else f"at {in_degrees(low)} only"
+        ends = {"low": in_degrees(low), "high": in_degrees(high)}
+        return Words("from {{ low }} to {{ high }}" if low < high else "at {{ low }} only", ends)
 
     @overload
     def at(self, temperature: float) -> float: ...
@@ -103,16 +104,18 @@ class OverTemperature:
             far = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
             raise InputError.at(
                 self.key,
-                f"is known {self.reach} and asked for at {in_degrees(float(far))}; "
-                "extend the table, or change the temperature",
+                Words(
+                    "is known {{ reach }} and asked for at {{ at }}; extend the table, or change the temperature",
+                    {"reach": self.reach, "at": in_degrees(float(far))},
+                ),
             )
         values = np.interp(temperature, self.temperature, self.value)
         return values if np.ndim(temperature) else float(values)
 
 
-def in_degrees(temperature: float) -> str:
+def in_degrees(temperature: float) -> Quantity:
     """A temperature [K] as it is said to people."""
-    return format_value(temperature, ".4g degC")
+    return Quantity(temperature, ".4g degC")
 
 
 @dataclass(frozen=True)

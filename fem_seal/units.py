@@ -18,7 +18,7 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_seal.errors import QuantityError
+from fem_seal.errors import QuantityError, SealError
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -404,9 +404,10 @@ class Display:
         value : float or tuple of float
             SI; None is a dash.
         how : str
-            "number", "percent", "share", "strain", "trimmed" or "worth", or a kind of `unit_for`, before which
-            "given" or "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with
-            no letter, and may have a name of `fixed_unit` behind it.
+            "number", "percent", "share", "strain", "trimmed" or "worth", or a kind of `unit_for`, before which "given",
+            "short" (four digits at most, no zeros at their end) or "worth" may stand; then the digits. So may "fixed"
+            before a name of `fixed_unit`. A format of Python's is one, too, "g" or one that begins with no letter, and
+            may have such a name behind it.
 
         Examples
         --------
@@ -434,6 +435,11 @@ class Display:
             return "–"
         if first in _PLAIN and not rest:
             return _PLAIN[first](value, *digits)
+        if first == "fixed":
+            unit = self.fixed_unit(" ".join(rest))
+            return f"{round_digits(unit.of(value), *digits or [DIGITS]):.{_MOST_DIGITS}g} {unit.name}"
+        if first == "short":
+            return self.quantity(round_digits(value, DIGITS), " ".join(["given", *rest]))
         given, worth = first == "given", first == "worth"
         kind = " ".join(rest if given or worth else [first, *rest])
         if not (given or math.isfinite(value)):
@@ -441,6 +447,24 @@ class Display:
         unit = self.unit_for(kind, value)
         write = trim_zeros if given else _sentence_number if worth else number
         return f"{write(unit.of(value), *digits)} {unit.name}"
+
+    def near_limit(self, name: str, value: float, limit: float, digits: int) -> str:
+        """An SI value in a `fixed_unit`, with `digits_at_limit` digits, without zeros at its end.
+
+        Parameters
+        ----------
+        name : str
+        value, limit : float
+            [SI]
+        digits : int
+
+        Examples
+        --------
+        >>> Display().near_limit("MPa", 7213e6, 7200e6, 2)
+        '7210 MPa'
+        """
+        unit = self.fixed_unit(name)
+        return f"{format_at_limit(unit.of(value), round_digits(unit.of(limit), DIGITS), digits)} {unit.name}"
 
     def leak_rate(
         self, leak_rate: float, digits: int = 3, *, claimed: bool = True, volume: LeakVolume | None = None
@@ -551,6 +575,9 @@ def shown_in(display: Display) -> Iterator[None]:
     before = _shown.set(display)
     try:
         yield
+    except SealError as error:
+        error.display = error.display or _shown.get()
+        raise
     finally:
         _shown.reset(before)
 
@@ -736,25 +763,6 @@ def format_at_limit(value: float, limit: float, digits: int) -> str:
     return f"{round_digits(value, digits_at_limit(value, limit, digits)):.{_MOST_DIGITS}g}"
 
 
-def fixed_at_limit(name: str, value: float, limit: float, digits: int) -> str:
-    """An SI value in a `fixed_unit`, with `digits_at_limit` digits, without zeros at its end.
-
-    Parameters
-    ----------
-    name : str
-    value, limit : float
-        [SI]
-    digits : int
-
-    Examples
-    --------
-    >>> fixed_at_limit("MPa", 7213e6, 7200e6, 2)
-    '7210 MPa'
-    """
-    unit = fixed_unit(name)
-    return f"{format_at_limit(unit.of(value), round_digits(unit.of(limit), DIGITS), digits)} {unit.name}"
-
-
 def fixed_quantity(name: str, value: float, digits: int = DIGITS) -> str:
     """An SI value in a `fixed_unit` with some significant digits, without zeros at its end and never in powers of ten.
 
@@ -930,17 +938,6 @@ def share_text(share: float) -> str:
     ('5 %', '1.2 %', '100 %')
     """
     return f"{round_digits(100 * share, 2):g} %"
-
-
-def short_quantity(kind: str, value: float) -> str:
-    """An SI value with four digits and no zeros at its end: "43.29 kN".
-
-    Examples
-    --------
-    >>> short_quantity("force", 43294.3), short_quantity("force", 250.0)
-    ('43.29 kN', '250 N')
-    """
-    return format_quantity(kind, round_digits(value, 4))
 
 
 def split_unit(column: str) -> tuple[str, str]:

@@ -12,11 +12,13 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache
 from importlib.util import cache_from_source
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem_seal.errors import Text, write
 from fem_seal.units import Display, current_display, keep_units_together
 
 if TYPE_CHECKING:
@@ -47,11 +49,13 @@ def environment(display: Display, *, escaped: bool = False) -> Environment:
         lstrip_blocks=True,
         # a page is made once: folding constants takes longer than it saves
         optimized=False,
+        finalize=lambda value: value.text(display) if isinstance(value, Text) else value,
     )
     made.filters |= {
         "quantity": display.quantity,
         "unbroken": keep_units_together,
-        "few": join_names,
+        "few": lambda names: join_names([write(name, display) for name in names]),
+        "text": lambda value: write(value, display),
     }
     made.globals |= {"math": math, "display": display}
     return made
@@ -64,7 +68,7 @@ def _bytecode(escaped: bool) -> BytecodeCache:
 
     class Beside(BytecodeCache):
         def get_cache_key(self, name: str, filename: str | None = None) -> str:
-            optimization = "escaped" if escaped else ""
+            optimization = "page" if escaped else "words"
             return cache_from_source(f"{filename}.py", optimization=optimization) if filename else ""
 
         def load_bytecode(self, bucket: Bucket) -> None:
@@ -136,6 +140,50 @@ def fill(display: Display, text: str, /, **values: object) -> str:
 @cache
 def _template(display: Display, text: str) -> Template:
     return environment(display).from_string(text)
+
+
+@dataclass(frozen=True)
+class Words(Text):
+    """A template and its values.
+
+    Parameters
+    ----------
+    template : str
+    values : mapping
+        What it has in braces.
+
+    Examples
+    --------
+    >>> force = Quantity(250.0, "force 2")
+    >>> print(force, force.text(Display("US")), Words("from {{ force }} on", {"force": force}))
+    250 N 56 lbf from 250 N on
+    """
+
+    template: str
+    values: Mapping[str, object]
+
+    def text(self, display: Display | None = None) -> str:
+        """See `fem_seal.errors.Text.text`."""
+        return fill(display or current_display(), self.template, **self.values)
+
+
+@dataclass(frozen=True)
+class Quantity(Text):
+    """A number in a format of `Display.quantity`.
+
+    Parameters
+    ----------
+    value : float or tuple of float
+        SI.
+    how : str
+    """
+
+    value: float | tuple[float, float]
+    how: str
+
+    def text(self, display: Display | None = None) -> str:
+        """See `fem_seal.errors.Text.text`."""
+        return (display or current_display()).quantity(self.value, self.how)
 
 
 def join_names(names: Sequence[str], most: int = 3) -> str:

@@ -19,7 +19,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import Case
 from fem_seal.output.answers.leak import classes_in_words
 from fem_seal.seal.load_result import highest_load, load_values
-from fem_seal.units import number, quantity
+from fem_seal.units import Display, number
 from leak import Reading
 
 ROOT = Path(__file__).parents[2]
@@ -101,7 +101,7 @@ def row(result: SealSolution, n: int, name: str) -> tuple[str, ...]:
 
 
 def _rate(leak_rate: float) -> str:
-    return "sealed" if leak_rate == 0 else quantity("flow", leak_rate, 3)
+    return "sealed" if leak_rate == 0 else Display().quantity(leak_rate, "flow")
 
 
 def examples() -> list[Path]:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 from fem_seal.answers.case_load import CaseLoad, Prepare, SolvedSeal, case_loads, model_as_it_is
 from fem_seal.answers.two_flanges import load_of_parts
-from fem_seal.errors import OutputError, error_text
+from fem_seal.errors import OutputError, Text, error_text, write
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver
+from fem_seal.units import Display
+from fem_seal.wording import Words
 
 if TYPE_CHECKING:
     from fem_seal.seal.evaluate import Evaluation
@@ -30,13 +32,18 @@ class OptionalSteps:
 
     Parameters
     ----------
+    display : Display
+        Units of the failures.
     failures : list of str
         A sentence for each step that failed.
     """
 
+    display: Display = field(default_factory=Display)
     failures: list[str] = field(default_factory=list)
 
-    def compute(self, subject: str, calculate: Callable[[], Value], fallback: Fallback) -> Value | Fallback:
+    def compute(
+        self, subject: str | Text, calculate: Callable[[], Value], fallback: Fallback
+    ) -> Value | Fallback:
         """What `calculate` gives or, if it fails, `fallback`.
 
         Parameters
@@ -50,7 +57,7 @@ class OptionalSteps:
             return calculate()
         return fallback
 
-    def compute_values(self, load: Load, steps: Mapping[str, str], fallback: object = None) -> Load:
+    def compute_values(self, load: Load, steps: Mapping[str, str | Text], fallback: object = None) -> Load:
         """A load with some of its values worked out; those that fail are known to be `fallback`.
 
         Parameters
@@ -65,7 +72,7 @@ class OptionalSteps:
         return load
 
     @contextmanager
-    def attempt(self, subject: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
+    def attempt(self, subject: str | Text, *, but: type[Exception] = OutputError) -> Iterator[None]:
         """Name what fails inside, and go on after it.
 
         A file that cannot be written is not told here but to the caller, as is an interruption: the disc or the user
@@ -86,11 +93,22 @@ class OptionalSteps:
             # any: what is shown beside a result must never be the reason for having none
             self.name_failure(subject, error)
 
-    def name_failure(self, subject: str, error: Exception) -> None:
+    def name_failure(self, subject: str | Text, error: Exception) -> None:
         """Name a failure that was met elsewhere."""
-        self.failures.append(
-            f"{subject}: could not be calculated ({error_text(error)}); all else is not affected"
-        )
+        name, why = write(subject, self.display), error_text(error, self.display)
+        self.failures.append(f"{name}: could not be calculated ({why}); all else is not affected")
+
+
+def at_pressure(subject: str, load: LoadResult) -> Words:
+    """What a step gives at one load, see `OptionalSteps.compute`.
+
+    Parameters
+    ----------
+    subject : str
+    load : LoadResult
+    """
+    values = {"subject": subject, "pressure": load.fluid_pressure}
+    return Words("{{ subject }} at {{ pressure | quantity('given fluid pressure') }}", values)
 
 
 def loads_of(evaluations: Sequence[Evaluation], prepare: Prepare = model_as_it_is) -> list[CaseLoad]:
@@ -140,7 +158,7 @@ class Request:
         Solves another case, `fem_seal.answers.chain.solve`, as a run of its own would.
     samples : dict
         Leak rates of samples of the uncertain inputs, see `fem_seal.answers.samples`: no answer calculates them again.
-    remarks : list of str
+    remarks : list of str or Text
         What is said besides the findings of the result.
     """
 
@@ -153,7 +171,7 @@ class Request:
     answers: dict[str, Any] = field(default_factory=dict)
     solve: Callable[..., SolvedSeal] | None = None
     samples: dict[Any, Any] = field(default_factory=dict)
-    remarks: list[str] = field(default_factory=list)
+    remarks: list[str | Text] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,8 @@ from fem_seal.seal.findings import (
 )
 from fem_seal.seal.load_result import LoadResult, MissingLoad, highest_load, in_order, strongest_load
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact, names
-from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth
+from fem_seal.units import DIGITS, digits_within
+from fem_seal.wording import Quantity, Words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -236,8 +237,8 @@ class CaseLoad(LoadResult):
         return {name: zones[number].get(body) for name, (number, body) in self.named_bodies.items()}
 
     def __repr__(self) -> str:
-        pressure = format_quantity("fluid pressure", self.fluid_pressure)
-        force = format_quantity("force", self.applied_force)
+        pressure = Quantity(self.fluid_pressure, "given fluid pressure")
+        force = Quantity(self.applied_force, "given force")
         return f"<CaseLoad at {pressure}, {force} applied: {self.in_brief}>"
 
     def _repr_html_(self) -> str:
@@ -246,20 +247,22 @@ class CaseLoad(LoadResult):
         return f"<p><b>{load}</b><br>{numbers.replace(', ', '<br>')}</p>"
 
     @property
-    def in_brief(self) -> str:
+    def in_brief(self) -> Words:
         """Peak pressure, width, leak rate and validity in a line, with units and no more digits than they are worth."""
-        parts = [
-            f"peak {quantity_worth('contact pressure', self.peak_pressure, self.pressure_digits)}",
-            f"FWHM {quantity_worth('length', self.fwhm, self.digits_of('fwhm'))}",
-        ]
+        values: dict[str, object] = {
+            "peak": Quantity(self.peak_pressure, f"worth contact pressure {self.pressure_digits}"),
+            "width": Quantity(self.fwhm, f"worth length {self.digits_of('fwhm')}"),
+            "level": self.validity.level,
+        }
+        leak_words = ""
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
         if leak is not None:
             is_known = all("leak" in vars(load) for load in self.others.values()) and self.has_interval
             rate = self.leak_interval if is_known and self.leak_interval is not None else leak.leak_rate
-            is_claimed = not self.validity.outside_theory
-            parts.append(f"leak rate {leak_range_text(rate, self.leak_digits, claimed=is_claimed)}")
-        return ", ".join([*parts, str(self.validity.level)])
+            values |= {"rate": rate, "digits": self.leak_digits, "claimed": not self.validity.outside_theory}
+            leak_words = "leak rate {{ display.leak_range(rate, digits, claimed=claimed) }}, "
+        return Words(f"peak {{{{ peak }}}}, FWHM {{{{ width }}}}, {leak_words}{{{{ level }}}}", values)
 
     def digits_of(self, name: str) -> int:
         """Significant digits that known errors leave of one of its numbers, four at most: the mesh's and the theory's.

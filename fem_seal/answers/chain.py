@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, OptionalSteps, Request, loads_of
+from fem_seal.answers.answer import Answer, OptionalSteps, Request, at_pressure, loads_of
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.closed_forms import foresee_findings
@@ -32,6 +32,7 @@ from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS, shown_in
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
+from fem_seal.errors import write
 from fem_seal.seal.evaluate import evaluate_seal
 from fem_seal.seal.findings import not_calculated
 from fem_seal.seal.heating import with_contact_temperatures
@@ -40,7 +41,6 @@ from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.scenarios import SCENARIOS
-from fem_seal.units import format_quantity
 from leak import LeakError
 
 # All that is asked of a solved seal, each after those whose answers it uses.
@@ -114,7 +114,7 @@ def solve(
     answers : sequence of Answer, optional
         In their order; all that are asked for unless given.
     """
-    clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
+    clock, steps = Clock(progress or (lambda text: None)), OptionalSteps(case.display)
     seal = _solve_loads(case, clock, steps, tells=progress is not None)
     solver = LoadSolver(seal.problem, seal.model)
     request = Request(solver, clock, sensitivities, verdict_force, full, steps, solve=solve)
@@ -150,7 +150,7 @@ def solve_profiles(
     InputError
         As of `leak_of_profiles`.
     """
-    clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
+    clock, steps = Clock(progress or (lambda text: None)), OptionalSteps(case.display)
     problem = SealProblem.of(case)
     _simulate(problem, clock)
     with clock.step("leak", "flow conductivity and leak rates"):
@@ -166,8 +166,8 @@ def solve_profiles(
 
 def _answer_all(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]) -> SealSolution:
     seal = answer_parts(seal, request, answers)
-    texts = [caution.text for caution in all_cautions(request.answers)]
-    warnings = (*texts, *request.remarks, *request.steps.failures)
+    said = (*all_cautions(request.answers), *request.remarks, *request.steps.failures)
+    warnings = tuple(write(text, seal.case.display) for text in said)
     return SealSolution(
         **vars(seal), answers=request.answers, warnings=warnings, timings=request.clock.timings
     )
@@ -181,7 +181,7 @@ def _solve_loads(case: Case, clock: Clock, steps: OptionalSteps, *, tells: bool 
         first = problems[0]
         _ = first.law  # made once for each surface, and here, where it is timed
     for text in foresee_findings(first) if tells else ():
-        clock.progress(text)
+        clock.progress(text.text(case.display))
     _simulate(first, clock)
     refused_loads = first.loads.refusals
     if refused_loads:  # else the problems keep their laws
@@ -244,5 +244,5 @@ def _add_values(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str])
 def _compute(
     steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str], fallback: object = None
 ) -> CaseLoad:
-    at = f" at {format_quantity('fluid pressure', load.fluid_pressure)}"
-    return steps.compute_values(load, {name: f"{text}{at}" for name, text in values.items()}, fallback)
+    subjects = {name: at_pressure(text, load) for name, text in values.items()}
+    return steps.compute_values(load, subjects, fallback)

@@ -19,7 +19,7 @@ from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.case.checks import MOST_TURNED, turning_angle
 from fem_seal.case.material_table import CURVES, library_name
 from fem_seal.contact.laws import HardContact, InterfaceLaw
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, Text
 from fem_seal.loads import (
     CONSTRAINT,
     LARGEST_EXCESS,
@@ -34,7 +34,7 @@ from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Mater
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.findings import not_calculated, sentence
 from fem_seal.seal.problem import SealProblem, exponential_law, problems_of, size_mesh
-from fem_seal.units import fixed_quantity, fixed_unit, short_quantity
+from fem_seal.wording import Quantity, Words
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05
@@ -201,7 +201,7 @@ def _derive_from_forces(problems: Sequence[SealProblem], forces: Sequence[float 
     )
 
 
-def closed_form_limits(case: Case, forms: ClosedForms) -> str:
+def closed_form_limits(case: Case, forms: ClosedForms) -> str | Words:
     """Why the closed forms are not what a run finds: a law or faces that change within the contact; "" if they are.
 
     Parameters
@@ -228,13 +228,13 @@ def closed_form_limits(case: Case, forms: ClosedForms) -> str:
     return ""
 
 
-def without_stop(case: Case) -> str:
+def without_stop(case: Case) -> str | Words:
     """That what is expected of a case has no stop; "" if the case has none."""
     stops = case.gasket is not None and case.gasket.stop is not None
     return sentence("closed_forms", "stop") if stops else ""
 
 
-def strain_limit(forms: ClosedForms) -> str:
+def strain_limit(forms: ClosedForms) -> str | Words:
     """From which load on the closed forms expect more than small strains; "" if from none.
 
     Parameters
@@ -250,17 +250,15 @@ def strain_limit(forms: ClosedForms) -> str:
     return ""
 
 
-def nearly_open(forms: ClosedForms) -> str:
+def nearly_open(forms: ClosedForms) -> str | Words:
     """Which loads the fluid carries on the sealed area, so that only a run decides about them; "" if there are none.
 
     Parameters
     ----------
     forms : ClosedForms
     """
-    unit = fixed_unit("bar")
-    values = [load.fluid_pressure for load in forms.loads if math.isnan(load.contact_force)]
-    pressures = ", ".join(f"{unit.of(pressure):.6g}" for pressure in values) + f" {unit.name}"
-    return sentence("closed_forms", "nearly_open", pressures=pressures) if values else ""
+    pressures = [load.fluid_pressure for load in forms.loads if math.isnan(load.contact_force)]
+    return sentence("closed_forms", "nearly_open", pressures=pressures) if pressures else ""
 
 
 def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
@@ -389,7 +387,7 @@ def profile_sizes(result: SolvedSeal, forms: ClosedForms) -> dict[str, Sizes]:
     return sizes
 
 
-def foresee_findings(problem: SealProblem, forms: ClosedForms | None = None) -> Iterator[str]:
+def foresee_findings(problem: SealProblem, forms: ClosedForms | None = None) -> Iterator[Text]:
     """Loads that are not calculated, and bodies that yield though they are solved as elastic, one sentence for each.
 
     Parameters
@@ -398,7 +396,7 @@ def foresee_findings(problem: SealProblem, forms: ClosedForms | None = None) -> 
     forms : ClosedForms, optional
         Of the same problem.
     """
-    yield from (finding.text for finding in not_calculated(problem.loads, problem.loads.refusals))
+    yield from not_calculated(problem.loads, problem.loads.refusals)
     yield from foresee_yielding(problem, forms or derive_problems([problem]))
 
 
@@ -419,7 +417,7 @@ def run_seconds(problem: SealProblem, *, samples: bool = False, target: bool = F
     return (1.0 + _FOR_SAMPLES * samples + _FOR_TARGET * target) * _seconds(replace(problem, loads=loads))
 
 
-def foresee_yielding(problem: SealProblem, forms: ClosedForms) -> Iterator[str]:
+def foresee_yielding(problem: SealProblem, forms: ClosedForms) -> Iterator[Words]:
     """Bodies solved as elastic whose stress the closed forms expect above their yield stress.
 
     Parameters
@@ -434,7 +432,7 @@ def foresee_yielding(problem: SealProblem, forms: ClosedForms) -> Iterator[str]:
     # a body that yields lets no more through to the other one
     loads = [(min(pressure, bearable_pressure(problem, f)), force, f) for pressure, force, f in loads]
     peak, _, line_load = loads[-1]
-    bodies: dict[str, list[str]] = {}
+    bodies: dict[str, tuple[Words, list[str]]] = {}
     for name, material in problem.materials.items():
         is_known = material.yield_stress is not None
         limit = material.yield_stress or (material.hardness or 0.0) / HARDNESS_OVER_YIELD_STRESS
@@ -447,22 +445,22 @@ def foresee_yielding(problem: SealProblem, forms: ClosedForms) -> Iterator[str]:
         text = sentence(
             "foreseen",
             material=material.name,
-            first=short_quantity("force", min(above_limit)),
+            first=Quantity(min(above_limit), "short force"),
             # only the forces of the case are looked at: where between two of them it begins is not known
-            not_yet=sentence("foreseen", "not_yet", force=short_quantity("force", max(below_limit)))
+            not_yet=sentence("foreseen", "not_yet", force=Quantity(max(below_limit), "short force"))
             if below_limit
             else "",
             # two digits, or as many as say that it is above one
             excess=f"{excess:.2g}" if excess >= 1.05 else f"{max(excess, 1.01):.2f}",
-            limit=fixed_quantity("MPa", limit, 3),
+            limit=Quantity(limit, "fixed MPa 3"),
             which=sentence("foreseen", "known" if is_known else "hard"),
             crushed=sentence("foreseen", "crushed", peak=peak, hardness=hardness) if is_crushed else "",
             worth=sentence("foreseen", "outside" if excess > LARGEST_EXCESS else "doubtful"),
             run=_with_curve(problem, name, material, limit, line_load),
         )
-        bodies.setdefault(text, []).append(problem.contact.label_of(name))
-    for text, names in bodies.items():
-        yield f"{' and '.join(names)}: {text}"
+        bodies.setdefault(str(text), (text, []))[1].append(problem.contact.label_of(name))
+    for text, names in bodies.values():
+        yield Words("{{ names }}: {{ text }}", {"names": " and ".join(names), "text": text})
 
 
 def bearable_pressure(problem: SealProblem, line_load: float) -> float:
@@ -486,7 +484,7 @@ def bearable_pressure(problem: SealProblem, line_load: float) -> float:
     return pressure
 
 
-def _with_curve(problem: SealProblem, name: str, material: Material, limit: float, line_load: float) -> str:
+def _with_curve(problem: SealProblem, name: str, material: Material, limit: float, line_load: float) -> Words:
     """What a run takes if this body had a stress-strain curve, that of the library or a perfectly plastic one."""
     of_library = CURVES.get(library_name(material.name) or "")
     curve = HardeningCurve((0.0,), (limit,)) if of_library is None else of_library.hardening

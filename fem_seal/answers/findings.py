@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from fem_seal.answers.answer import Answer, Request
+from fem_seal.answers.answer import Answer, Request, at_pressure
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.leakage_class import NominalSize, nominal_size
 from fem_seal.answers.target import TARGET
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, caution, worst_first
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.scenarios import with_own_contacts
-from fem_seal.units import format_quantity, quantity
 from fem_seal.validity.checks import contact_cautions, load_validity
+from fem_seal.wording import Quantity
 from leak.standards import nominal_size_of_bore
 
 # Bore over nominal size of valves, needles and reduced bores included.
@@ -47,7 +47,7 @@ def _compute(seal: SolvedSeal, request: Request) -> Findings:
     checks = compute("checks of what the theory allows", partial(contact_cautions, problem, seal.loads), ())
     validity = [
         compute(
-            f"validity at {format_quantity('fluid pressure', load.fluid_pressure)}",
+            at_pressure("validity", load),
             partial(load_validity, problem, load),
             NOT_JUDGED,
         )
@@ -79,7 +79,7 @@ def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
     narrowest, widest = (share * size.size for share in _BORES)
     if not (size.is_estimated or narrowest <= size.diameter <= widest):
         usual = f"DN {1e3 * nominal_size_of_bore(size.diameter):.4g}"
-        bore = quantity("length", size.diameter)
+        bore = Quantity(size.diameter, "length")
         finding = caution("nominal_size", given=size, circle=size.circle, bore=bore, own=usual)
         yield replace(finding, level=Level.VALID)
 

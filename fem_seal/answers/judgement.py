@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
+from fem_seal.errors import Text
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, VALID, Bounds, Validity
 
 
@@ -98,7 +99,7 @@ class LoadVerdict:
     limit : Limit
     ends : tuple of float
         Of the leak rate's interval, of the fluid that the limit is for [m^3/s].
-    reason : str
+    reason : str or Text
         Why the load is outside the theory, or what the calculation may be off by; empty otherwise.
     off : float
         Of "pass unless" and "fail unless": factor by which the calculation would have to be off for another verdict.
@@ -115,7 +116,7 @@ class LoadVerdict:
     why: VerdictReason
     limit: Limit
     ends: tuple[float, float] = (math.nan, math.nan)
-    reason: str = ""
+    reason: str | Text = ""
     off: float = math.nan
 
     @property
@@ -159,13 +160,18 @@ class LoadVerdict:
         margin = _margin(limit, in_test.high)
         core = in_test.ratio_to(validity.leak_factor) if core is None else core.widen(limit.ratio)
         if (validity.outside_theory or not complete) and core.low > ORDERS_OF_MAGNITUDE * limit.failing_rate:
-            reason = validity.reasons[0] if validity.outside_theory else ""
+            reason = validity.doubts[0].in_clause if validity.outside_theory else ""
             return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, in_test, reason)
         if validity.outside_theory and not (verdict is Verdict.FAIL and validity.leaks_more):
             # of what may not be claimed to be sealed there is no margin
             margin = math.nan if math.isinf(margin) else margin
             return cls(
-                Verdict.INCONCLUSIVE, margin, VerdictReason.OUTSIDE, limit, in_test, validity.reasons[0]
+                Verdict.INCONCLUSIVE,
+                margin,
+                VerdictReason.OUTSIDE,
+                limit,
+                in_test,
+                validity.doubts[0].in_clause,
             )
         if not complete:
             return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNSAMPLED, limit, in_test)
@@ -175,7 +181,7 @@ class LoadVerdict:
                 passes = core_verdict is Verdict.PASS
                 verdict = Verdict.PASS_UNLESS if passes else Verdict.FAIL_UNLESS
                 factor = limit.leak_rate / core.high if passes else core.low / limit.failing_rate
-                reason = validity.leak_reason(more=passes)
+                reason = validity.leak_clause(more=passes)
                 return cls(verdict, margin, VerdictReason.ACCURACY, limit, in_test, reason, factor)
         return cls(verdict, margin, why, limit, in_test)
 
@@ -299,7 +305,7 @@ class VerdictForce:
     ----------
     force : float or None
         Of spring or actuator [N]; None if none is found.
-    why_none : str
+    why_none : str or Text
         Why not, a clause; empty with a force.
     looked_for : bool
         Whether it was, or was too dear unless asked for.
@@ -308,9 +314,9 @@ class VerdictForce:
     """
 
     force: float | None
-    why_none: str = ""
+    why_none: str | Text = ""
     looked_for: bool = True
-    begins: str = ""
+    begins: str | Text = ""
 
 
 @dataclass(frozen=True)
@@ -333,7 +339,7 @@ class PassProbability:
     share: float = math.nan
     error: float = math.nan
     batch_low: float = math.nan
-    why_none: str = ""
+    why_none: str | Text = ""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.seal.findings import Level, Validity, caution
 from fem_seal.seal.load_solver import Progress
-from fem_seal.units import format_quantity
+from fem_seal.wording import Quantity
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
 _PRESSURES, _FEWEST_PRESSURES, _RANGE = 8, 3, 20.0
@@ -180,7 +180,7 @@ def leak_map(
         else _check_increasing("forces", applied_force)
     )
     if not pressures[0] > 0:
-        raise InputError(problem("table_at_zero", pressure=format_quantity("fluid pressure", pressures[0])))
+        raise InputError(problem("table_at_zero", pressure=Quantity(pressures[0], "given fluid pressure")))
     if len(pressures) * len(forces) > _MOST_POINTS:
         size = {"pressures": len(pressures), "forces": len(forces)}
         raise InputError(problem("table_too_large", most=_MOST_POINTS, **size))
@@ -216,7 +216,7 @@ def _with_return(table: LeakMap, solution: SealSolution) -> LeakMap:
         tuple(None if cell is None else Validity.of([*cell.cautions, remark]) for cell in row)
         for row in table.validity
     )
-    return replace(table, validity=validity, reasons=(*table.reasons, remark.text))
+    return replace(table, validity=validity, reasons=(*table.reasons, remark.text(solution.case.display)))
 
 
 def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:

@@ -12,6 +12,7 @@ from fem_seal.case.case import Case
 from fem_seal.case.fields import Bubbles
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import RELIEF, Requirement
+from fem_seal.errors import Text, write
 from fem_seal.seal.scenarios import (
     ROOM_TEMPERATURE,
     TEST_GAS,
@@ -19,7 +20,8 @@ from fem_seal.seal.scenarios import (
     TEST_TEMPERATURES,
     gas_of_test,
 )
-from fem_seal.units import LIQUID, LeakVolume, quantity
+from fem_seal.units import LIQUID, Display, LeakVolume
+from fem_seal.wording import Quantity, Words
 from leak import LeakageClass
 from leak.standards import STANDARD_PRESSURE
 
@@ -40,7 +42,7 @@ def volume_of(case: Case) -> LeakVolume:
 
 
 @dataclass(frozen=True)
-class NominalSize:
+class NominalSize(Text):
     """Nominal size that the classes refer to.
 
     Parameters
@@ -64,18 +66,18 @@ class NominalSize:
     case_text: str = ""
 
     @property
-    def short_text(self) -> str:
+    def short_text(self) -> str | Quantity:
         """The size alone, as the case has it; DN of a whole number of millimetres."""
         is_whole = math.isclose(1e3 * self.size, round(1e3 * self.size), rel_tol=1e-6)
-        return self.case_text or (f"DN {1e3 * self.size:.4g}" if is_whole else quantity("length", self.size))
+        return self.case_text or (f"DN {1e3 * self.size:.4g}" if is_whole else Quantity(self.size, "length"))
 
-    def __str__(self) -> str:
+    def text(self, display: Display | None = None) -> str:
         """The size in words."""
-        return (
-            f"{self.short_text}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
-            if self.is_estimated
-            else self.short_text
-        )
+        short = write(self.short_text, display)
+        if not self.is_estimated:
+            return short
+        diameter = Quantity(self.diameter, "length").text(display)
+        return f"{short}, estimated from the {self.circle}, {diameter} in diameter"
 
 
 def nominal_size(case: Case) -> NominalSize:
@@ -268,7 +270,7 @@ def is_flange(case: Case) -> bool:
     return joint and case.fluid is not None and case.fluid.gas is not None
 
 
-def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]:
+def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str | Text, Text]:
     """What the classes of a case refer to, in short and in words: its nominal size, or the length of its seal.
 
     Parameters
@@ -278,10 +280,10 @@ def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]
         Whether they are classes per length; those of a flange joint are unless given.
     """
     if is_flange(case) if per_length is None else per_length:
-        length = f"{quantity('length', seal_length(case))} of seal"
+        length = Words("{{ length | quantity('length') }} of seal", {"length": seal_length(case)})
         return length, length
     size = nominal_size(case)
-    return size.short_text, str(size)
+    return size.short_text, size
 
 
 def seal_length(case: Case) -> float:

@@ -20,6 +20,7 @@ from fem_seal.answers.samples import KnownRates, Samples, UncertainScans
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.tables import Uncertainty
+from fem_seal.errors import Text
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.findings import sentence
 from fem_seal.seal.keyed_store import KeyedStore
@@ -191,7 +192,7 @@ def pass_probabilities(
     return [chances.get(n) for n in range(len(seal.loads))]
 
 
-def why_none(case: Case, load: CaseLoad) -> str:
+def why_none(case: Case, load: CaseLoad) -> str | Text:
     """Why there is no share; empty where there is one.
 
     Parameters
@@ -203,7 +204,7 @@ def why_none(case: Case, load: CaseLoad) -> str:
     if load.leak is None:
         return sentence("pass_probability", "no_leak_rate")
     if load.validity.outside_theory:
-        return load.validity.reasons[0]
+        return load.validity.doubts[0].in_clause
     if any(math.isnan(limit.leak_rate) for limit in limits(case, load.fluid_pressure)):
         return sentence("pass_probability", "no_limit")
     if case.sampling is None and load.flow_error is None:

@@ -12,7 +12,8 @@ import numpy as np
 from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.errors import InputError, QuantityError, TextTableError
 from fem_seal.files import column, drop_extremes, name_and_unit, read_any_text
-from fem_seal.units import format_quantity, format_value, parse_quantity
+from fem_seal.units import parse_quantity
+from fem_seal.wording import Quantity
 from leak.errors import TableError
 from leak.text_tables import TextTable, read_tables
 from meshes import ContactGeometry
@@ -155,7 +156,7 @@ def _steps(table: TextTable) -> Iterator[_Step]:
     }
     loads = column(table, roles["fluid_pressure"][0], "pressure") if "fluid_pressure" in roles else None
     if loads is not None and not (loads > 0).all():
-        lowest = format_quantity("fluid pressure", float(loads.min()))
+        lowest = Quantity(float(loads.min()), "given fluid pressure")
         raise TextTableError(f"fluid pressure must be positive, it holds {lowest}")
     for place in roles["pressure"]:
         pressure = column(table, place, "pressure")
@@ -232,7 +233,7 @@ def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
         row = int(np.argmin(is_inside))
         raise TextTableError(
             f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {table.lines[row]} has "
-            f"{format_quantity('contact pressure', float(pressure[row]))}: is the unit right?"
+            f"{Quantity(float(pressure[row]), 'given contact pressure')}: is the unit right?"
         )
 
 
@@ -506,8 +507,8 @@ def _merge_places(
     if highest[worst] - lowest[worst] > _SAME_PRESSURE * pressure.max():
         raise TextTableError(
             f"at x = {_mm(float(x[starts[worst]]))} the contact pressure is from "
-            f"{format_quantity('contact pressure', float(lowest[worst]))} to "
-            f"{format_quantity('contact pressure', float(highest[worst]))}: several load steps need a column that "
+            f"{Quantity(float(lowest[worst]), 'given contact pressure')} to "
+            f"{Quantity(float(highest[worst]), 'given contact pressure')}: several load steps need a column that "
             f"tells them apart, such as fluid_pressure [bar]; otherwise {_MAP}"
         )
     mean = np.add.reduceat(pressure, starts) / counts
@@ -515,4 +516,4 @@ def _merge_places(
 
 
 def _mm(length: float) -> str:
-    return format_value(length, ".4g mm").replace("-", "−")
+    return str(Quantity(length, ".4g mm")).replace("-", "−")

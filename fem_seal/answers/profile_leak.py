@@ -11,12 +11,12 @@ import numpy as np
 from fem_seal.answers.case_load import CaseLoad, case_loads
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.errors import InputError, Problem
+from fem_seal.files import sentence
 from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import with_own_contacts
-from fem_seal.units import format_quantity
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
 from meshes import ContactGeometry
@@ -112,9 +112,7 @@ def _refuse_far_too_weak(
         loads = fluid_pressures[peaks.index(peak)]
         raise InputError.at(
             "load.fluid_pressure",
-            f"the contact pressure of the profile reaches {format_quantity('contact pressure', peak, 3)}, the fluid "
-            f"pressure is {format_quantity('fluid pressure', min(loads))} and would lift the seal open: is the unit of "
-            "the contact pressure right?",
+            sentence("far_too_weak", peak=peak, pressure=min(loads)),
             file=problem.file,
         )
 

@@ -26,6 +26,7 @@ from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.wording import Words
 
 Seal = TypeVar("Seal", bound=SolvedSeal)
 
@@ -105,20 +106,23 @@ def answer_parts(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -
     if not (of_part and others):
         return _answer_each(seal, request, answers)
     parts = [_answer_each(first, request, of_part)]
-    said_texts = [caution.text for caution in FINDINGS.of(request.answers).cautions]
+    said_texts = {caution.text() for caution in FINDINGS.of(request.answers).cautions}
     for part in others:
         query = replace(
             request,
             solver=LoadSolver(part.problem, part.model),
-            steps=OptionalSteps(),
+            steps=OptionalSteps(request.steps.display),
             answers={},
             samples={},
             remarks=[],
         )
         parts.append(_answer_each(part, query, of_part))
-        texts = [x.text for x in FINDINGS.of(query.answers).cautions if x.text not in said_texts]
+        texts = [x for x in FINDINGS.of(query.answers).cautions if x.text() not in said_texts]
         label = part.problem.contact.label_of("closure")
-        request.remarks.extend(f"{label}: {text}" for text in (*texts, *query.steps.failures))
+        request.remarks.extend(
+            Words("{{ label }}: {{ text }}", {"label": label, "text": text})
+            for text in (*texts, *query.steps.failures)
+        )
     return _answer_each(seal.with_parts(parts), request, [answer for answer in answers if not answer.of_part])
 
 

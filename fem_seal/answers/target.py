@@ -11,13 +11,13 @@ from fem_seal.answers.answer import Answer, Request, with_scenarios
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.answers.two_flanges import mean_rate
-from fem_seal.errors import ConvergenceError, InputError, OpenSealError
+from fem_seal.errors import ConvergenceError, InputError, OpenSealError, Text
 from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity, remark, sentence
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, under_loads
 from fem_seal.seal.scenarios import SCENARIOS, problem_in
-from fem_seal.units import format_quantity, quantity, short_quantity
 from fem_seal.validity.checks import target_cautions, target_validity
+from fem_seal.wording import Quantity, Words
 
 # First step from where the fluid closes the seal alone.
 _STEP = math.log(4.0)
@@ -73,7 +73,7 @@ def expected_contact_force(flows: Sequence[SealFlow], fluid_pressure: float, tar
     name = "too_small" if zero.end is End.HIGHEST else "always_met"
     largest = math.exp(highest)
     least = _rate(_expected_rate(flows, largest, fluid_pressure), target)
-    values = {"force": short_quantity("force", largest), "leaves": least, "pressure": fluid_pressure}
+    values = {"force": Quantity(largest, "short force"), "leaves": least, "pressure": fluid_pressure}
     raise target_problem(problem, name, target, **values)
 
 
@@ -81,7 +81,7 @@ def _expected_rate(flows: Sequence[SealFlow], contact_force: float, fluid_pressu
     return mean_rate(flow.expected_rate(contact_force, fluid_pressure) for flow in flows)
 
 
-def target_remarks(problems: Sequence[SealProblem]) -> tuple[str, ...]:
+def target_remarks(problems: Sequence[SealProblem]) -> tuple[Text, ...]:
     """Why the target leak rate of a seal cannot be met, before anything is solved; empty if it can.
 
     Parameters
@@ -94,12 +94,12 @@ def target_remarks(problems: Sequence[SealProblem]) -> tuple[str, ...]:
     if not flows or target is None or problem.follows_path:
         # of bodies that yield the closed form is too rough to say so
         return ()
-    remarks = []
+    remarks: list[Text] = []
     for pressure in dict.fromkeys(problem.loads.fluid_pressure):
         try:
             expected_contact_force(flows, pressure, target)
         except InputError as error:
-            remarks.append(str(error))
+            remarks.append(error)
     return tuple(remarks)
 
 
@@ -122,7 +122,7 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     """
     text = None
     if target is not None:
-        text = _rate(target, target) if hasattr(target, _PV) else format_quantity("flow", target)
+        text = _rate(target, target) if hasattr(target, _PV) else Quantity(target, "given flow")
     message = sentence("target", name, **values)
     return InputError.at("load.target_leak_rate", message, text, file=problem.file)
 
@@ -131,10 +131,10 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
 _PV = "pressure_volume"
 
 
-def _rate(rate: float, target: float) -> str:
+def _rate(rate: float, target: float) -> Quantity:
     """A leak rate [m^3/s] in the kind of unit in which the target was written."""
     pv: float | None = getattr(target, _PV, None)
-    return quantity("flow", rate) if pv is None else quantity("throughput", rate * pv / target)
+    return Quantity(rate, "flow") if pv is None else Quantity(rate * pv / target, "throughput")
 
 
 # Relative accuracy of the force.
@@ -224,7 +224,7 @@ def _at_target(
             why = "stopped"
         elif trials.path_error is not None:
             why = "not_reached"
-        force, leaves = short_quantity("force", load.contact_force), _rate(_leak_rate(load), target)
+        force, leaves = Quantity(load.contact_force, "short force"), _rate(_leak_rate(load), target)
         raise target_problem(problem, why, target, force=force, leaves=leaves, pressure=pressure)
     if problem.loads.unsolved_bolts is None:
         return load
@@ -315,7 +315,7 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
         results = contacts_at_target(problems, scenario=scenario)
     except InputError as error:
         when = f"{SCENARIOS[scenario].condition}: " if scenario else ""
-        texts = [f"{when}{why}" for why in error.problems]
+        texts = [Words("{{ when }}{{ why }}", {"when": when, "why": why}) for why in error.problems]
         return TargetForces(
             none, none, none, none, tuple(remark("target", Level.DOUBTFUL, text) for text in texts)
         )

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from fem_seal.answers.accuracy import Comparison
-from fem_seal.answers.answer import Answer, Request
+from fem_seal.answers.answer import Answer, Request, at_pressure
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.contact.newton import solve_many
 from fem_seal.seal.load_result import highest_load, load_results, strongest_load
@@ -20,7 +20,6 @@ from fem_seal.seal.load_solver import (
 )
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS, with_own_contacts
-from fem_seal.units import format_quantity
 
 
 @dataclass(frozen=True)
@@ -72,8 +71,7 @@ def _compute(seal: SolvedSeal, request: Request) -> OtherContacts:
     highest = highest_load(seal.loads)
 
     def compute_leak(load: CaseLoad, subject: str) -> CaseLoad:
-        at = format_quantity("fluid pressure", load.fluid_pressure)
-        return request.steps.compute_values(load, {"leak": f"{subject} at {at}"})
+        return request.steps.compute_values(load, {"leak": at_pressure(subject, load)})
 
     def compute_load(name: str, number: int, load: CaseLoad) -> CaseLoad | None:
         subject = f"leak rate by {SCENARIOS[name].title}"

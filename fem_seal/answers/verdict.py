@@ -31,8 +31,8 @@ from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem, under_loads
 from fem_seal.seal.scenarios import with_own_contacts
-from fem_seal.units import short_quantity
 from fem_seal.validity.checks import load_validity
+from fem_seal.wording import Quantity, Words
 
 
 def load_verdict(case: Case, load: CaseLoad, *, complete: bool = True) -> LoadVerdict | None:
@@ -137,7 +137,8 @@ def missing_verdict(case: Case, point: tuple[float, float], problem: LoadProblem
     limit = limits(case, point[0])[0]
     if problem.kind == "open":
         return LoadVerdict(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit)
-    return LoadVerdict(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=problem.message)
+    why = Words("{{ problem.message_in(display) }}", {"problem": problem})
+    return LoadVerdict(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=why)
 
 
 def _crest(load: LoadResult) -> float:
@@ -357,7 +358,7 @@ class _Search:
         load = self._load(at)
         if load is None:
             return None
-        self._tell(f"the whole run with {short_quantity('force', load.applied_force)} applied")
+        self._tell("the whole run with {{ force | quantity('short force') }} applied", load.applied_force)
         try:
             return self.alone(load.fluid_pressure, load.applied_force)
         except (ConvergenceError, InputError):
@@ -388,7 +389,7 @@ class _Search:
 
     def _load(self, at: float) -> CaseLoad | None:
         if at not in self.outcomes:
-            self._tell(f"a contact force of {short_quantity('force', math.exp(at))}")
+            self._tell("a contact force of {{ force | quantity('short force') }}", math.exp(at))
             try:
                 load = with_scenarios(self.result.problems, self.trials.load(at))
             except (ConvergenceError, InputError, OpenSealError):
@@ -397,11 +398,12 @@ class _Search:
                 self.outcomes[at] = load_of_parts([*map(_with_validity, self.result.problems, load.parts)])
         return self.outcomes[at]
 
-    def _tell(self, trial: str) -> None:
-        at = short_quantity("fluid pressure", self.load.fluid_pressure)
-        self.progress(f"force with which the verdict passes at {at}: trying {trial}")
+    def _tell(self, trial: str, force: float) -> None:
+        at = "force with which the verdict passes at {{ pressure | quantity('short fluid pressure') }}: trying "
+        values = {"pressure": self.load.fluid_pressure, "force": force}
+        self.progress(Words(f"{at}{trial}", values).text(self.result.case.display))
 
-    def _why_none(self, zero: Zero | None) -> str:
+    def _why_none(self, zero: Zero | None) -> Words:
         if zero is None:
             return self._outside_everywhere()
         if zero.end is End.LOWEST:
@@ -409,16 +411,18 @@ class _Search:
         highest = sensible_forces(self.result.problems)[1]
         load, next_load = self._load(zero.place), self._load(min(zero.place + _ACCURACY, highest))
         stop_force = 0.0 if load is None else load.contact.stop_force
-        force = "that" if load is None else short_quantity("force", load.applied_force - stop_force)
+        force = "that" if load is None else Quantity(load.applied_force - stop_force, "short force")
         is_outside = next_load is not None and next_load.validity.outside_theory
         kind = "stopped" if stop_force else "outside" if is_outside else "strains"
         ends = sentence("verdict_force", kind, load=next_load)
-        why = "" if load is None else load.leak_validity.leak_reason(more=True)
+        why = "" if load is None else load.leak_validity.leak_clause(more=True)
         doubt = sentence("verdict_force", "off", why=why) if why else ""
         return sentence("verdict_force", "more_leaks", force=force, off=doubt, ends=ends)
 
-    def _outside_everywhere(self) -> str:
-        reasons = [x.validity.reasons[0] for x in self.outcomes.values() if x and x.validity.outside_theory]
+    def _outside_everywhere(self) -> Words:
+        reasons = [
+            x.validity.doubts[0].in_clause for x in self.outcomes.values() if x and x.validity.outside_theory
+        ]
         return sentence("verdict_force", "nowhere", why=reasons[0] if reasons else "no contact converges")
 
 
@@ -430,7 +434,7 @@ def _with_validity(problem: SealProblem, load: CaseLoad) -> CaseLoad:
     return load.with_values(validity=load_validity(problem, load))
 
 
-def _begins(problem: SealProblem) -> str:
+def _begins(problem: SealProblem) -> str | Words:
     """What every force meets that is tried, where loads leave something behind."""
     if problem.loads.preparation:
         return f"after {problem.loads.preparation}"

@@ -20,8 +20,7 @@ from fem_seal.case.words import load_problem, problem, sentence
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.files import UnreadableFileError, check_file
 from fem_seal.loads import CONSTRAINT, LARGEST_TURNING, contact_force, line_load, plastic_half_width
-from fem_seal.units import format_quantity as written
-from fem_seal.units import short_quantity
+from fem_seal.wording import Quantity, Words
 from meshes import ContactGeometry, GeometryError
 from meshes.errors import mm
 from meshes.geometry.contact_geometry import facets_at
@@ -327,7 +326,9 @@ def _load(case: CaseTables) -> Iterator[Problem]:
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
         yield problem("local_penetration")
     if load.target_leak_rate is not None and (table := _missing(case)):
-        yield problem("load_target_leak_rate", missing=table, value=written("flow", load.target_leak_rate))
+        yield problem(
+            "load_target_leak_rate", missing=table, value=Quantity(load.target_leak_rate, "given flow")
+        )
 
 
 def _lands(case: CaseTables) -> Iterator[Problem]:
@@ -351,7 +352,11 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
     if load.earlier is None:
         return
     key, pressure = load.earlier_key, load.largest_earlier_pressure
-    value = written("force", load.earlier[1]) if pressure is None else written("fluid pressure", pressure)
+    value = (
+        Quantity(load.earlier[1], "given force")
+        if pressure is None
+        else Quantity(pressure, "given fluid pressure")
+    )
     if pressure is not None:
         if load.largest_earlier_force is not None:
             yield problem("two_earlier_loads", value=value)
@@ -392,7 +397,7 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
         return
     fluid_name = show(fluid.name)
     if fluid.gas is None and fluid.outlet_pressure is not None:
-        value = written("fluid pressure", fluid.outlet_pressure)
+        value = Quantity(fluid.outlet_pressure, "given fluid pressure")
         yield problem("fluid_outlet_pressure", fluid=fluid_name, value=value)
     laws = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
     if fluid.gas is not None:
@@ -474,7 +479,7 @@ def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterato
     elif standard != RELIEF and required.rated_pressure is None:
         yield problem("rated_pressure_missing")
     elif (p_set := case.set_pressure) and any(not t.pressure(p_set) > 0.0 for t in required.tests(gas=gas)):
-        yield problem("set_pressure_of_test", held=short_quantity("fluid pressure", p_set))
+        yield problem("set_pressure_of_test", held=p_set)
 
 
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
@@ -546,7 +551,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         yield problem("uncertainty_spectrum")
 
 
-def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
+def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, Words]]:
     """What is said of the faces that touch: name of the finding, body and text.
 
     A body may be touched first beside the face that its shape is named after, or on short lines that stand for a curve.
@@ -648,8 +653,7 @@ def check_formed(case: CaseTables) -> None:
         raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
     forming = case.expected_force(*load.earlier)
     if forming < largest * (1 - 1e-6):
-        forces = {"formed": short_quantity("force", forming), "largest": short_quantity("force", largest)}
-        raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))
+        raise InputError(problem("table_formed_less", key=load.earlier_key, formed=forming, largest=largest))
 
 
 def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
@@ -682,14 +686,14 @@ def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: flo
     if holds:
         return None
     if case.bolts is not None:
-        forces = {"force": short_quantity("force", lift), "applied": short_quantity("force", applied_force)}
+        forces = {"force": lift, "applied": applied_force}
         return load_problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **forces)
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure,
         **case.labels,
         how=f"lifts the {case.label_of('closure')} with" if lifts else "closes with",
-        force=short_quantity("force", abs(lift)),
+        force=abs(lift),
         radius=mm(r0),
         needed=lift,
         applied=applied_force,
@@ -719,10 +723,7 @@ def _strain_problem(
     for name, share, strength in limits:
         capacity = share * strength * length
         if f > capacity:
-            forces = {
-                "force": short_quantity("force", force),
-                "most": short_quantity("force", force * capacity / f),
-            }
+            forces = {"force": force, "most": force * capacity / f}
             return load_problem(name, "strain", **forces, length=mm(length), share=share, lower=lower)
     if not hardened or any(len(curve.stress) == 1 for curve in curves(case)):
         # what a body bears that does not harden is found on the way to the load
@@ -733,7 +734,7 @@ def _strain_problem(
     if angle <= MOST_TURNED:
         return None
     share = _largest_share(lambda share: turning_angle(contact, share * half_width) <= LARGEST_TURNING)
-    forces = {"force": short_quantity("force", force), "most": short_quantity("force", force * share)}
+    forces = {"force": force, "most": force * share}
     limits_of = {"turned": angle, "largest": LARGEST_TURNING}
     return load_problem("turned", "strain", **forces, **limits_of, width=2 * half_width, lower=lower)
 

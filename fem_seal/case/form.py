@@ -21,6 +21,7 @@ from fem_seal.form import (
     combine_waves,
     rigid_wave,
 )
+from fem_seal.wording import Words
 
 MOST_WAVES = 500
 DEVIATION = Quantity("length", "0 m", "1 mm")
@@ -82,7 +83,7 @@ class MeasuredTrace(Table):
         """Waves of the trace from two on: the least-squares circle, which only says how the part stood, is removed."""
         return self.trace.waves(self.usable_waves)[1:]
 
-    def remarks(self, body: str) -> list[str]:
+    def remarks(self, body: str) -> list[Words]:
         """What is to be said about the trace.
 
         Parameters
@@ -214,7 +215,7 @@ class Form(Table):
             name: part for name, part in (("closure", self.closure), ("seat", self.seat)) if part is not None
         }
 
-    def without_effect(self, angle: float) -> list[str]:
+    def without_effect(self, angle: float) -> list[Words]:
         """What is given and changes nothing, in words.
 
         Parameters
@@ -257,7 +258,7 @@ class Form(Table):
                 wave_range = [min(wave_range[0], smallest), max(wave_range[1], largest)]
                 highest = max(highest, largest)
             if part.trace is not None:
-                remarks += part.trace.remarks(name)
+                remarks += map(str, part.trace.remarks(name))
         tolerance = WaveTolerance(zone, (wave_range[0], wave_range[1])) if zone else None
         grooves = [cut.groove for cut in self.scratches] + ([] if self.lay is None else [self.lay.groove])
         return FormError(

@@ -495,7 +495,7 @@ def _hardening(
                 raise
             which = f"curve {number} ({in_degrees(test.temperature or 0.0)})"
             raise InputError(
-                *(replace(fault, message=f"{which}, {fault.message}") for fault in error.problems)
+                *(replace(fault, says=f"{which}, {fault.message}") for fault in error.problems)
             ) from None
     if without_temperature:
         return curves[0]

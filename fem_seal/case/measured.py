@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from fem_seal.case.case import Case
 from fem_seal.case.words import problem
-from fem_seal.errors import InputError, Problem, TextTableError
+from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import name_and_unit, read_any_text
 from fem_seal.units import split_unit
 from leak.text_tables import COMMENTS, cells_of
@@ -162,7 +162,7 @@ def _measured_leak(case: Case, line: int, entries: Mapping[str, tuple[str, str]]
         columns = {key: name for name, key in _KEYS.items()} | {"fluid": "fluid"}
         raise InputError(
             *(
-                Problem(f"line {line}, column {columns.get(item.key, item.key)}", item.message, item.value)
+                replace(item, key=f"line {line}, column {columns.get(item.key, item.key)}")
                 for item in error.problems
             )
         ) from None

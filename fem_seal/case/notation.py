@@ -24,6 +24,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, NUMBER, exact_quantity, parse_quantity
+from fem_seal.wording import Words
 from leak.standards import STANDARD_PRESSURE
 
 # Other keys that say the same: one takes the place of the other.
@@ -198,10 +199,8 @@ def as_written(problem: Problem, tables: Mapping[str, Any]) -> Problem:
     entries, word = tables.get(body), partner(key)
     if body not in _BODIES or word is None or not isinstance(entries, Mapping) or word not in entries:
         return problem
-    value = "" if problem.value is None else f" = {problem.value}"
-    return replace(
-        problem, key=f"{body}.{word}", message=f"{key}{value}: {problem.message}", value=show(entries[word])
-    )
+    in_key = Words("{{ problem }}", {"problem": replace(problem, key=key, remedy="")})
+    return replace(problem, key=f"{body}.{word}", says=in_key, given=show(entries[word]))
 
 
 def _example_value(table: type[BaseModel], key: str) -> str:
@@ -321,11 +320,11 @@ def as_gauge(problem: Problem, tables: Mapping[str, Any]) -> Problem:
     entry = entries.get(key) if isinstance(entries, Mapping) else None
     if (table, key) not in _DIFFERENCES or not is_said_of_one_side(entry):
         return problem
-    message = problem.message
+    says = problem.message
     for text in _texts(entry):
         if match := _match(text):
-            message = message.replace(f'"{_plain_text(match)}"', show(text))
-    return replace(problem, message=message, value=show(entry))
+            says = says.replace(f'"{_plain_text(match)}"', show(text))
+    return replace(problem, says=says, remedy="", given=show(entry))
 
 
 class _Differences:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from pydantic import BaseModel
@@ -16,7 +16,7 @@ from fem_seal.case.notation import same_entry, tables_of, words_of
 from fem_seal.case.words import gone_entry
 from fem_seal.errors import InputError
 from fem_seal.materials import Material
-from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
+from fem_seal.units import DIMENSIONS, Display, Unit, kind_of
 
 Value = float | str | bool
 
@@ -40,11 +40,14 @@ class Entry:
         What reads and bounds it; None for words, names and files.
     truth : bool
         Whether it is true or false.
+    display : Display
+        Units in which people are shown its values.
     """
 
     path: str
     marker: Quantity | Number | None
     truth: bool = False
+    display: Display = field(default_factory=Display, kw_only=True)
 
     @property
     def unit(self) -> str:
@@ -84,9 +87,9 @@ class Entry:
     def _usual_unit(self, value: float) -> Unit:
         """Unit in which people write a value of this entry."""
         if self.unit == "rad":
-            return fixed_unit("deg")
+            return self.display.fixed_unit("deg")
         kind = kind_of(self.path, self.unit)
-        return unit_for(kind, value) if kind in _SCALED_KINDS else Unit(self.unit, 1.0)
+        return self.display.unit_for(kind, value) if kind in _SCALED_KINDS else Unit(self.unit, 1.0)
 
 
 def entry_at(case: Case, path: str) -> Entry:
@@ -112,7 +115,7 @@ def entry_at(case: Case, path: str) -> Entry:
     fields, words = _fields(table), words_of(type(table)) if isinstance(table, Table) else {}
     all_paths = list(entry_paths(case))
     if key in words and same_entry(path) in all_paths:
-        return Entry(path, words[key].marker)
+        return Entry(path, words[key].marker, display=case.display)
     if key not in fields or path.split(".")[0] in _FIXED_TABLES or path not in all_paths:
         in_words = [f"{'.'.join(parents)}.{word}" for word in words]
         likely = difflib.get_close_matches(path, [*all_paths, *in_words], n=2, cutoff=0.5)
@@ -122,7 +125,9 @@ def entry_at(case: Case, path: str) -> Entry:
         unknown = f"is no entry of the case; {suggestion}known are {', '.join(all_paths)}"
         raise InputError.at(path, gone_entry(path) or unknown)
     # a design has one load
-    return Entry(path, next(values_of(fields[key]), None), truth=fields[key].annotation is bool)
+    return Entry(
+        path, next(values_of(fields[key]), None), truth=fields[key].annotation is bool, display=case.display
+    )
 
 
 def _inside(table: object, key: str) -> object:

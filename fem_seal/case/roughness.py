@@ -160,7 +160,7 @@ class FinishKeys(Table):
         if low / _UNUSUAL <= Ra <= high * _UNUSUAL:
             return ""
         values = {"Ra": 1e6 * Ra, "low": 1e6 * low, "high": 1e6 * high}
-        return sentence("unusual_finish", process=finish.process.name, **values)
+        return str(sentence("unusual_finish", process=finish.process.name, **values))
 
 
 class FinishTable(FinishKeys):
@@ -533,7 +533,7 @@ class Roughness(FinishKeys):
         if self.along is not None and self.across is not None:
             stretch = _stretch(self.along.build(), self.across.build())
             if stretch.misfit > _LARGEST_MISFIT:
-                yield sentence("no_stretch", best=stretch.peklenik, off=math.exp(stretch.misfit))
+                yield str(sentence("no_stretch", best=stretch.peklenik, off=math.exp(stretch.misfit)))
 
 
 def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:

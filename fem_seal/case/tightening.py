@@ -11,7 +11,6 @@ from fem_seal.case.tables import CaseTables, Load
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.materials import ROOM_TEMPERATURE
-from fem_seal.units import short_quantity
 
 
 def apply_preloads(load: Load, table: BoltsTable) -> Load:
@@ -106,6 +105,5 @@ def problems_of_bolts(case: CaseTables, table: BoltsTable) -> list[Problem]:
         return wrong + [replace(p, key=f"bolts.{p.key.removeprefix('bolts.')}") for p in error.problems]
     least_force = min(force for _, force in case.load.points)
     if bolts is not None and not least_force + bolts.thermal_force > 0:
-        lost_force = short_quantity("force", -bolts.thermal_force)
-        wrong.append(problem("bolts_loose", lost=lost_force, preload=short_quantity("force", least_force)))
+        wrong.append(problem("bolts_loose", lost=-bolts.thermal_force, preload=least_force))
     return wrong

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from fem_seal.errors import LoadProblem, Problem
 from fem_seal.files import own_tables, sentence
-from fem_seal.units import current_display
-from fem_seal.wording import fill
+from fem_seal.wording import Words
 
 
 def problem(name: str, /, **values: object) -> Problem:
@@ -14,26 +13,25 @@ def problem(name: str, /, **values: object) -> Problem:
     Parameters
     ----------
     name : str
-        Of its words: key, text, and value where one stands there.
+        Of its words: key, says, and where there are some remedy and value.
     **values
         What the words have in braces.
     """
-    words, display = own_tables("problems.toml")[name], current_display()
-    return Problem(
-        *(fill(display, words[part], **values) for part in ("key", "text", "value") if part in words),
-        entry=name,
+    words = own_tables("problems.toml")[name]
+    key, says, remedy, given = (
+        Words(words.get(part, ""), values) for part in ("key", "says", "remedy", "value")
     )
+    return Problem(str(key), says, given if "value" in words else None, remedy=remedy, entry=name)
 
 
 def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProblem:
     """Why a load cannot be calculated; see `problem` and `LoadProblem`."""
-    fault = problem(name, **values)
-    return LoadProblem(fault.key, fault.message, fault.value, kind, entry=name)
+    return LoadProblem(**vars(problem(name, **values)), kind=kind)
 
 
 def wrong(name: str, /, **values: object) -> ValueError:
     """What the validation of a table says of it, in the words of that name."""
-    return ValueError(sentence(name, **values))
+    return ValueError(str(sentence(name, **values)))
 
 
 def gone_entry(entry: str) -> str | None:

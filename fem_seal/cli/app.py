@@ -21,7 +21,7 @@ from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
-from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text, write
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
 from fem_seal.units import current_display, shown_in
 from fem_seal.version import __version__
@@ -272,7 +272,8 @@ def check(
         if numbers["run_time_s"] is not None:
             terminal.tell(f"  {'time of a run':30}{about(numbers['run_time_s'])}, in load steps", indent=32)
         terminal.show_derived(case, numbers, details=details)
-    terminal.warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
+    texts = [write(text, case.display) for text in limits if text]
+    terminal.warn([*_remarks(case), *texts], "" if details or quiet or json else "--details")
     if image is not None and not (json or quiet):
         terminal.say(f"picture in {image}")
 
@@ -474,7 +475,7 @@ def _remarks(case: Case) -> list[str]:
     from fem_seal.validity.fluid import film_cautions
     from fem_seal.validity.materials import material_cautions
 
-    remarks = []
+    remarks: list[object] = []
     if case.roughness is None:
         remarks.append("no [roughness]: no leak rate is calculated")
     if case.fluid is None:
@@ -488,12 +489,12 @@ def _remarks(case: Case) -> list[str]:
     problem = problems[0]
     remarks.extend(text for _, _, text in problem.origin.face_remarks)
     remarks.extend(creep_remarks(problem.labelled_materials))
-    remarks.extend(finding.text for finding in (*film_cautions(problem), *material_cautions(problem)))
+    remarks.extend((*film_cautions(problem), *material_cautions(problem)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 
         remarks.extend(target_remarks(problems))
-    return remarks
+    return [write(remark, case.display) for remark in remarks]
 
 
 def _warn_of_unfinished_designs(folder: Path) -> None:

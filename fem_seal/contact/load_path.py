@@ -24,7 +24,7 @@ from fem_seal.contact.plastic_step import (
 )
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
 from fem_seal.errors import ConvergenceError, LimitLoadError, LongPathError, OpenSealError
-from fem_seal.units import short_quantity
+from fem_seal.files import sentence
 
 
 @dataclass(frozen=True)
@@ -294,7 +294,7 @@ def load_path(
         balance = walk.unload(rest.after_contacts(contacts), last, balance, len(loads))
     except ConvergenceError as error:
         path = LoadPath(tuple(contacts), None, failure or error, open_loads)
-        raise ConvergenceError(str(error), partial=path) from error
+        raise ConvergenceError(error.args[0], partial=path) from error
     unloaded_bodies = UnloadedBodies(model, rest.further, bodies, virgin, balance.states)
     return LoadPath(tuple(contacts), unloaded_bodies, failure, open_loads)
 
@@ -561,11 +561,7 @@ class _Walk:
         if self._gives_way(at, aim, state):
             return self._limit_load(at, state)
         why = error if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
-        return ConvergenceError(
-            f"elastoplastic contact: the load step from {at} to {aim} does not converge: {why}. The body may be "
-            "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; "
-            "else refine [mesh] contact_size"
-        )
+        return ConvergenceError(sentence("step_fails", at=at, aim=aim, why=why))
 
     def _too_many_steps(
         self, at: PathLoad, end: PathLoad, balance: Equilibrium, way: float, tries: int, step: float
@@ -573,17 +569,11 @@ class _Walk:
         """Error of a way whose load steps have become so short that it would never end."""
         if self._gives_way(at, at.interpolate(end, step), balance):
             return self._limit_load(at, balance)
-        flows = ""
-        if (strain := balance.plastic_strain) > 0:
-            strains = {name: state.plastic.accumulated_strain.max() for name, state in balance.states.items()}
-            label = self.model.bodies[max(strains, key=strains.__getitem__)].fem.label
-            flows = f"The {label} flows in one place there, to a plastic strain of {100 * strain:.2g} %. "
-        return LongPathError(
-            f"{short_quantity('force', at.force)} of {short_quantity('force', end.force)} are reached after "
-            f"{tries} load steps that were tried, {100 * way:.2g} % of the way; the next one could be no longer "
-            f"than {100 * step:.2g} % of it. "
-            f"{flows}Lower the load, round the edge that is pressed in more, or give a stress_strain table that hardens"
-        )
+        strains = {name: state.plastic.accumulated_strain.max() for name, state in balance.states.items()}
+        label = self.model.bodies[max(strains, key=strains.__getitem__)].fem.label if strains else ""
+        numbers = {"force": at.force, "end": end.force, "tries": tries, "way": 100 * way, "step": 100 * step}
+        strain = 100 * balance.plastic_strain
+        return LongPathError(sentence("long_path", **numbers, label=label, strain=strain))
 
     def _gives_way(self, at: PathLoad, aim: PathLoad, balance: Equilibrium) -> bool:
         """Whether bodies linearised as they flow come so much nearer in a step that they bear nothing more."""
@@ -602,8 +592,7 @@ class _Walk:
         body = max(balance.states, key=lambda name: _yielded_share(balance.states[name]))
         label = self.model.bodies[body].fem.label
         return LimitLoadError(
-            f"the {label} yields through: it bears {short_quantity('force', at.force)} and flows without "
-            "limit under more. Lower the load, give a stress_strain table that hardens, or take a thicker body",
+            sentence("limit_load", label=label, force=at.force),
             label,
         )
 

@@ -37,7 +37,7 @@ from fem_seal.bodies.stress_bound import StressBound
 from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.processes import single_threaded
-from fem_seal.units import quantity
+from fem_seal.wording import Quantity
 from meshes import ContactGeometry, SealMesh
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ class ContactModel:
     def __repr__(self) -> str:
         return (
             f"<{type(self).__name__}: {self.closure.material.name} on {self.seat.material.name}, "
-            f"first touch at r = {quantity('length', self.initial_contact_radius)}, "
+            f"first touch at r = {Quantity(self.initial_contact_radius, 'length')}, "
             f"{len(self.line.x)} points on the contact line>"
         )
 

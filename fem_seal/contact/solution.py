@@ -16,7 +16,7 @@ from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
 from fem_seal.profile import PressureProfile, join_lands, tightest_profile
-from fem_seal.units import quantity
+from fem_seal.wording import Quantity
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,8 @@ class ContactSolution:
     def __repr__(self) -> str:
         profile = self.profile
         return (
-            f"<{type(self).__name__} at F_N = {quantity('force', self.contact_force)}: "
-            f"peak {quantity('contact pressure', profile.peak_pressure)}, FWHM {quantity('length', profile.fwhm)}, "
+            f"<{type(self).__name__} at F_N = {Quantity(self.contact_force, 'force')}: peak "
+            f"{Quantity(profile.peak_pressure, 'contact pressure')}, FWHM {Quantity(profile.fwhm, 'length')}, "
             f"{len(self.log_pressure)} points, {self.iterations} iterations>"
         )
 

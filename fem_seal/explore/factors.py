@@ -18,7 +18,7 @@ from fem_seal.case.paths import entry_at, entry_paths, with_open_materials
 from fem_seal.case.roughness import read_roughness
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import own_tables
-from fem_seal.units import DIMENSIONS, System, parse_quantity, unit_for, unit_like
+from fem_seal.units import DIMENSIONS, Display, System, parse_quantity, unit_like
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -408,7 +408,7 @@ def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:
         return "deg", math.radians(1.0)
     if dimension == "pressure":
         dimension = "contact pressure" if value >= 5e8 else "fluid pressure"
-    unit = unit_for(dimension, value)
+    unit = Display().unit_for(dimension, value)
     return unit.name.replace("µ", "u"), unit.size
 
 

@@ -298,7 +298,7 @@ def shown_load(load: CaseLoad, case: Case) -> ShownLoad:
         {name: COLUMNS[name].number(load) for name in FIELDS},
         load.applied_force,
         str(load.validity.level),
-        load.validity.reasons,
+        load.validity.reasons_in(case.display),
         tuple(str(name) for name in leakage_classes(case, load)),
         {name: COLUMNS[name].digits(load) for name in FIELDS},
         dict.fromkeys(

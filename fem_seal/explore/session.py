@@ -122,9 +122,9 @@ class Session:
         except InputError as error:
             return Screen(
                 design,
-                problem="; ".join(map(str, error.problems)),
+                problem="; ".join(problem.text(self.base.display) for problem in error.problems),
                 wrong={
-                    key: problem.message
+                    key: problem.message_in(self.base.display)
                     for problem in error.problems
                     if (key := self.factors.factor_key(problem.key))
                 },

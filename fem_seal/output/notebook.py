@@ -40,7 +40,11 @@ def result_text(result: SealSolution) -> str:
 
 
 def _in_brief(load: AnyLoad) -> str:
-    return f"not calculated, {why_missing(load.problem)}" if isinstance(load, MissingLoad) else load.in_brief
+    return (
+        f"not calculated, {why_missing(load.problem)}"
+        if isinstance(load, MissingLoad)
+        else str(load.in_brief)
+    )
 
 
 def result_html(result: SealSolution) -> str:

@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from fem_seal.errors import LoadProblem
+from fem_seal.errors import LoadProblem, Text, write
 from fem_seal.files import own_tables
-from fem_seal.seal.load_result import LoadResult, load_name
+from fem_seal.seal.load_result import LoadResult, load_words
 from fem_seal.seal.problem import Loads
-from fem_seal.units import Display, current_display, round_digits, short_quantity
-from fem_seal.wording import fill, join_names
+from fem_seal.units import Display, round_digits
+from fem_seal.wording import Quantity, Words
 
 # Ratio of leak rates up to which they are told as one number.
 AGREE = 1.005
@@ -111,7 +111,7 @@ _RANK = {level: rank for rank, level in enumerate(Level)}
 
 
 @dataclass(frozen=True)
-class Finding:
+class Finding(Text):
     """One thing that a user should know before believing a result.
 
     Parameters
@@ -129,10 +129,8 @@ class Finding:
         Whether it is about the contact, and so about all numbers; else it is about the leak rate alone.
     silent : bool
         Whether it is too little to be reported, but is in the interval.
-    at : str
+    at : str or Text
         What it is about if not about a load as it is: "largest earlier load", "lower flange".
-    display : Display
-        In which its texts are.
     """
 
     entry: str
@@ -141,52 +139,50 @@ class Finding:
     leak_factor: Bounds = EXACT
     of_contact: bool = True
     silent: bool = False
-    at: str = ""
-    display: Display = field(default_factory=current_display, compare=False)
+    at: str | Text = ""
 
     @property
     def kind(self) -> str:
         """What it is about, in few words: "yield stress", "cut off", "mesh"."""
-        return self._filled("label")
+        return self._part("label")
 
-    @property
-    def reason(self) -> str:
+    def reason(self, display: Display | None = None) -> str:
         """What it says: a clause with the number behind it, about one load that need not be named."""
-        return self._prefix + self._filled("says")
+        return (f"{write(self.at, display)}: " if self.at else "") + self._part("says", display)
 
-    @property
-    def place(self) -> str:
+    def place(self, display: Display | None = None) -> str:
         """Where it is: "at 20 bar"; empty of what is about all loads."""
-        return self._filled("place") or (f"at {self.values['where']}" if "where" in self.values else "")
+        where = self.values.get("where")
+        return self._part("place", display) or (f"at {write(where, display)}" if where else "")
 
-    @property
-    def remedy(self) -> str:
+    def remedy(self, display: Display | None = None) -> str:
         """What it means, and what helps."""
-        return self._filled("remedy")
+        return self._part("remedy", display)
 
-    @property
-    def text(self) -> str:
+    def text(self, display: Display | None = None) -> str:
         """All of it: what, where, and what helps; empty of what is silent."""
         if self.silent:
             return ""
-        where = f"{self.reason} ({self.place})" if self.place else self.reason
-        return ". ".join(filter(None, (where, self.remedy)))
+        reason, place = self.reason(display), self.place(display)
+        return ". ".join(filter(None, (f"{reason} ({place})" if place else reason, self.remedy(display))))
+
+    def _part(self, name: str, display: Display | None = None) -> str:
+        return Words(own_tables("findings.toml")[self.entry].get(name, ""), self.values).text(display)
 
     @property
-    def _prefix(self) -> str:
-        return f"{self.at}: " if self.at else ""
+    def in_clause(self) -> Words:
+        """Its reason, for a sentence that is written later."""
+        return Words("{{ finding.reason(display) }}", {"finding": self})
 
-    def _filled(self, part: str) -> str:
-        return fill(self.display, own_tables("findings.toml")[self.entry].get(part, ""), **self.values)
-
-    def at_place(self, place: str) -> Finding:
+    def at_place(self, place: str | Text) -> Finding:
         """The same about something else than a load as it is.
 
         Parameters
         ----------
-        place : str
+        place : str or Text
         """
-        return replace(self, at=f"{place}: {self.at}" if self.at else place)
+        at = Words("{{ place }}: {{ at }}", {"place": place, "at": self.at}) if self.at else place
+        return replace(self, at=at)
 
     @property
     def leak_error(self) -> float:
@@ -250,8 +246,12 @@ class Validity:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Why the numbers are not simply valid, the worst reason first."""
-        return tuple(dict.fromkeys(finding.reason for finding in self.doubts))
+        """Why the numbers are not simply valid, the worst reason first, in units of the field."""
+        return self.reasons_in()
+
+    def reasons_in(self, display: Display | None = None) -> tuple[str, ...]:
+        """The same in the units of a display."""
+        return tuple(dict.fromkeys(finding.reason(display) for finding in self.doubts))
 
     @property
     def leak_error(self) -> float:
@@ -284,18 +284,28 @@ class Validity:
             x for factor, x in factors if factor > 1.0 and factor - 1.0 > 0.01 * min(most - 1.0, 1.0)
         )
 
-    def leak_reason(self, *, more: bool) -> str:
+    def leak_reason(self, *, more: bool, display: Display | None = None) -> str:
         """Why more may leak than calculated, or why less; empty if nothing is known.
 
         Parameters
         ----------
         more : bool
+        display : Display, optional
         """
-        reasons = list(dict.fromkeys(finding.reason for finding in self.widens(more=more)))
+        reasons = list(dict.fromkeys(finding.reason(display) for finding in self.widens(more=more)))
         if len(reasons) < 2:
             return "".join(reasons)
         factor = self.leak_factor[1] if more else 1.0 / self.leak_factor[0]
         return f"together a factor {round_digits(factor, 2):g} {'more' if more else 'less'}: {'; '.join(reasons)}"
+
+    def leak_clause(self, *, more: bool) -> Words | str:
+        """The same, for a sentence that is written later."""
+        values = {"validity": self, "more": more}
+        return (
+            Words("{{ validity.leak_reason(more=more, display=display) }}", values)
+            if self.widens(more=more)
+            else ""
+        )
 
     @property
     def outside_theory(self) -> bool:
@@ -319,7 +329,7 @@ class Validity:
 
 
 def remark(
-    kind: str, level: Level, says: str, leak_factor: Bounds = EXACT, *, of_contact: bool = True
+    kind: str, level: Level, says: str | Text, leak_factor: Bounds = EXACT, *, of_contact: bool = True
 ) -> Finding:
     """A finding whose text was made elsewhere; see `Finding`.
 
@@ -327,7 +337,7 @@ def remark(
     ----------
     kind : str
     level : Level
-    says : str
+    says : str or Text
     leak_factor : Bounds, optional
     of_contact : bool
     """
@@ -397,7 +407,7 @@ def caution(
         Values for the braces of the texts.
     """
     if load is not None:
-        values["where"] = load_name(load, loads)
+        values["where"] = load_words(load, loads)
     leak_only = "leak_only" in own_tables("findings.toml")[name]
     in_interval = (
         leak_only and proven and leak_factor != EXACT and 0.0 < leak_factor.low <= leak_factor.high < math.inf
@@ -426,7 +436,7 @@ def fade_in(leak_factor: Bounds, ratio: float) -> Bounds:
     return Bounds(leak_factor.low**share, leak_factor.high**share)
 
 
-def sentence(name: str, part: str = "text", /, **values: object) -> str:
+def sentence(name: str, part: str = "text", /, **values: object) -> Words:
     """A sentence of an entry, its values filled in.
 
     Parameters
@@ -435,8 +445,20 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
     **values
         Values for the braces of the texts.
     """
-    words: str = own_tables("findings.toml")[name][part]
-    return fill(current_display(), words, **values)
+    return Words(own_tables("findings.toml")[name][part], values)
+
+
+def near_limit(pressure: float, limit: float, digits: int) -> Words:
+    """A contact pressure or stress with so many digits, or more that tell it from a limit.
+
+    Parameters
+    ----------
+    pressure, limit : float
+        [Pa]
+    digits : int
+    """
+    values = {"pressure": pressure, "limit": limit, "digits": digits}
+    return Words("{{ display.near_limit('MPa', pressure, limit, digits) }}", values)
 
 
 def why_missing(problem: LoadProblem) -> str:
@@ -446,7 +468,7 @@ def why_missing(problem: LoadProblem) -> str:
     ----------
     problem : LoadProblem
     """
-    return sentence("why_not_calculated", problem.kind, problem=problem)
+    return str(sentence("why_not_calculated", problem.kind, problem=problem))
 
 
 def not_calculated(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Finding]:
@@ -490,13 +512,14 @@ def _finding_of_loads(
     several = len({applied_force for _, applied_force in loads.points}) > 1
     load = sentence("not_calculated", "load_of_forces" if several else "load", pressure=pressure, force=force)
     kind = "force" if how == "with" else "fluid pressure"
-    names = [short_quantity(kind, value) for value in sorted(set(values))]
+    names = [Quantity(value, f"short {kind}") for value in sorted(set(values))]
     with_force = sentence("not_calculated", "of_force", force=force) if several and how == "at" else ""
     return caution(
         "not_calculated",
         # the message of an open seal has its pressure and force already
         load="" if problem.kind == "open" else load,
-        message=problem.message,
-        names=f"{join_names(names)}{with_force}",
+        problem=problem,
+        names=names,
+        with_force=with_force,
         why=why_missing(problem),
     )

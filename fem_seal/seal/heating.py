@@ -112,7 +112,7 @@ def _at_temperature() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(*(Problem("temperature", str(problem)) for problem in error.problems)) from None
+        raise InputError(*(Problem("temperature", problem) for problem in error.problems)) from None
 
 
 def _check_curves(name: str, material: Material, temperature: FloatArray) -> None:

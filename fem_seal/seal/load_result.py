@@ -12,7 +12,8 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile, join_lands, tightest_profile
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
-from fem_seal.units import DIGITS, Unit, digits_within, format_quantity, unit_for
+from fem_seal.units import DIGITS, Display, Unit, current_display, digits_within
+from fem_seal.wording import Words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -435,7 +436,7 @@ def in_order(
     return rows
 
 
-def load_name(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
+def load_name(load: AnyLoad, loads: Sequence[AnyLoad], display: Display | None = None) -> str:
     """What tells a load from the others: "20 bar", "20 bar with 400 N", or "20 bar (load 3)" where a path comes back.
 
     Parameters
@@ -443,11 +444,13 @@ def load_name(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
     load : LoadResult or MissingLoad
     loads : sequence
         All of them, in their order.
+    display : Display, optional
+        Those of the field unless given.
     """
-    return load_values(load, loads) + _number(load, loads)
+    return load_words(load, loads).text(display)
 
 
-def load_values(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
+def load_values(load: AnyLoad, loads: Sequence[AnyLoad], display: Display | None = None) -> str:
     """Pressure of a load and, if more forces act at this pressure, its force: "20 bar", "20 bar with 400 N".
 
     Parameters
@@ -455,10 +458,22 @@ def load_values(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
     load : LoadResult or MissingLoad
     loads : sequence
         All of them.
+    display : Display, optional
+        Those of the field unless given.
     """
-    pressure = format_quantity("fluid pressure", load.fluid_pressure)
+    return _values(load, loads, "").text(display)
+
+
+def load_words(load: AnyLoad, loads: Sequence[AnyLoad]) -> Words:
+    """What `load_name` says, for a sentence that is written later."""
+    return _values(load, loads, _number(load, loads))
+
+
+def _values(load: AnyLoad, loads: Sequence[AnyLoad], number: str) -> Words:
     forces = {other.applied_force for other in loads if other.fluid_pressure == load.fluid_pressure}
-    return pressure if len(forces) == 1 else f"{pressure} with {format_quantity('force', load.applied_force)}"
+    force = " with {{ force | quantity('given force') }}" if len(forces) > 1 else ""
+    values = {"pressure": load.fluid_pressure, "force": load.applied_force}
+    return Words(f"{{{{ pressure | quantity('given fluid pressure') }}}}{force}{number}", values)
 
 
 def distinct_loads(loads: Sequence[LoadResult]) -> list[int]:
@@ -526,21 +541,26 @@ class LoadAxis:
         return self.values / self.unit.size
 
 
-def load_axis(loads: Sequence[AnyLoad]) -> LoadAxis:
+def load_axis(loads: Sequence[AnyLoad], display: Display | None = None) -> LoadAxis:
     """The fluid pressure, or the force of spring or actuator where it is all that changes.
 
     Parameters
     ----------
     loads : sequence of LoadResult
         In their order.
+    display : Display, optional
+        Those of the field unless given.
     """
+    display = display or current_display()
     pressures = np.array([load.fluid_pressure for load in loads])
     forces = np.array([load.applied_force for load in loads])
     path = any(_yields(load) for load in loads), any(_number(load, loads) for load in loads)
     if np.ptp(pressures) == 0 and np.ptp(forces) > 0:
-        names = tuple(format_quantity("force", load.applied_force) + _number(load, loads) for load in loads)
-        return LoadAxis("applied force", unit_for("force", float(np.abs(forces).max())), forces, names, *path)
-    names = tuple(load_name(load, loads) for load in loads)
-    return LoadAxis(
-        "fluid pressure", unit_for("fluid pressure", float(pressures.max())), pressures, names, *path
-    )
+        names = tuple(
+            display.quantity(load.applied_force, "given force") + _number(load, loads) for load in loads
+        )
+        unit = display.unit_for("force", float(np.abs(forces).max()))
+        return LoadAxis("applied force", unit, forces, names, *path)
+    names = tuple(load_name(load, loads, display) for load in loads)
+    unit = display.unit_for("fluid pressure", float(pressures.max()))
+    return LoadAxis("fluid pressure", unit, pressures, names, *path)

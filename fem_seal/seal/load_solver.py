@@ -49,7 +49,6 @@ from fem_seal.errors import (
     LimitLoadError,
     LoadProblem,
     OpenSealError,
-    Problem,
     SealError,
     error_text,
 )
@@ -59,7 +58,7 @@ from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
 from fem_seal.seal.load_result import LoadResult, load_results
 from fem_seal.seal.problem import SealFlow, SealProblem, condense_bodies
-from fem_seal.units import format_value, short_quantity
+from fem_seal.wording import Quantity
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -188,7 +187,7 @@ class LoadSolver:
         try:
             return self._solve_without_memory(*point, None, first=True)
         except ConvergenceError as error:
-            raise ConvergenceError(f"the largest earlier load: {error}") from error
+            raise ConvergenceError(sentence("earlier_load", why=error)) from error
 
     @property
     def _on_sealed_area(self) -> bool:
@@ -204,13 +203,9 @@ class LoadSolver:
     ) -> InputError:
         """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
-        allowed = "" if least is None else f"; give an applied_force above {short_quantity('force', least)}"
-        problem = Problem(
-            "load.applied_force",
-            f"the seal is open at a fluid pressure of {format_value(fluid_pressure, '.6g bar')}: {error}{allowed}",
-            format_value(applied_force, ".6g N"),
-        )
-        return InputError(problem, file=self.problem.file)
+        says = sentence("opened", pressure=fluid_pressure, why=error, least=least)
+        given = Quantity(applied_force, ".6g N")
+        return InputError.at("load.applied_force", says, given, file=self.problem.file)
 
     def on_path(self, fluid_pressure: float, applied_force: float, bolts: Bolts | None = None) -> PathLoad:
         """A load of the problem as one on the path of bodies that yield, by its way of closing.
@@ -579,7 +574,7 @@ def _failures_after(
     """Why loads from the one at which a path ended have no contact."""
     first, *others = unsolved
     pressure, force = points[first]
-    before = f"{format_value(pressure, '.6g bar')} with {short_quantity('force', force)}"
+    before = sentence("load_with_force", pressure=pressure, force=force)
     unknown = LoadProblem("load", sentence("after_a_load", load=before), kind="path")
     return {first: stopped} | {number: InputError(unknown) for number in others}
 
@@ -587,10 +582,10 @@ def _failures_after(
 def _load_problem(error: Exception) -> LoadProblem:
     if isinstance(error, InputError):
         first = error.problems[0]
-        return first if isinstance(first, LoadProblem) else LoadProblem(first.key, first.message, first.value)
+        return first if isinstance(first, LoadProblem) else LoadProblem(**vars(first))
     if isinstance(error, LimitLoadError):
-        return LoadProblem("load", error_text(error), kind="limit", body=error.body)
-    return LoadProblem("load", error_text(error), kind="solution")
+        return LoadProblem("load", error, kind="limit", body=error.body)
+    return LoadProblem("load", error if isinstance(error, SealError) else error_text(error), kind="solution")
 
 
 def solve_load(

@@ -21,13 +21,14 @@ from fem_seal.case.tables import curves
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, round_sizing
-from fem_seal.errors import InputError, LoadProblem, Problem
+from fem_seal.errors import InputError, LoadProblem
+from fem_seal.files import sentence
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.heating import Heating, heating_of, with_contact_temperatures
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
-from fem_seal.units import format_value
+from fem_seal.wording import Quantity, Words
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -338,7 +339,7 @@ class SurfaceOrigin:
     """
 
     remarks: tuple[str, ...] = ()
-    face_remarks: tuple[tuple[str, str, str], ...] = ()
+    face_remarks: tuple[tuple[str, str, Words], ...] = ()
     of_finish: bool = False
     usual_only: bool = False
     cutoff: float | None = None
@@ -782,14 +783,9 @@ def with_stop(problem: SealProblem, model: ContactModel) -> ContactModel:
     touch = problem.at_rest.body_loads(model).touch(model)
     stop = problem.stop_approach(model, problem.gasket.stop)
     if stop <= touch:
-        problem_of_stop = Problem(
-            "gasket.stop",
-            "the warm flanges meet before they touch the gasket, because they grow by "
-            f"{format_value(problem.faces * (touch - stop + problem.gasket.stop), '.4g um')} more than it does; "
-            "give more",
-            format_value(problem.faces * problem.gasket.stop, ".6g um"),
-        )
-        raise InputError(problem_of_stop, file=problem.file)
+        given = Quantity(problem.faces * problem.gasket.stop, ".6g um")
+        says = sentence("warm_flanges_meet", growth=problem.faces * (touch - stop + problem.gasket.stop))
+        raise InputError.at("gasket.stop", says, given, file=problem.file)
     return model.with_stop(stop, touch)
 
 

@@ -41,6 +41,7 @@ from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
 from fem_seal.seal.sources import OWN_BODIES, SharedBodies, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASS_COLUMNS, is_of_bolts, is_target
 from fem_seal.validity.checks import validity_of
+from fem_seal.wording import Words
 from leak import LeakError
 from meshes import GeometryError, MeshingError
 
@@ -216,7 +217,8 @@ def _check_validity(
 
 def _drop_column(column: str, error: Exception, load: Load) -> Load:
     """A load of which one column could not be calculated."""
-    text = f"{column} could not be calculated: {error_text(error)}"
+    why = error if isinstance(error, SealError) else error_text(error)
+    text = Words("{{ column }} could not be calculated: {{ why }}", {"column": column, "why": why})
     cautions = (*load.validity.cautions, remark("not calculated", Level.DOUBTFUL, text))
     return load.with_values(validity=Validity.of(cautions))
 

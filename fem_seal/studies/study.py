@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -269,7 +270,7 @@ def _change_case(case: Case, changes: Mapping[str, Any], parameters: Mapping[str
             values = {path: _ends(entry)[end] for path, entry in parameters.items()}
             with suppress(InputError):
                 return with_open_materials(case, [*changes, *values]).replace_written({**changes, **values})
-        raise InputError.at(f"changes.{error.key}", error.message, error.value) from None
+        raise InputError(replace(error.problems[0], key=f"changes.{error.key}")) from None
 
 
 def _ends(entry: Any) -> tuple[Any, Any]:
@@ -295,7 +296,7 @@ def _read_parameters(case: Case, ranges: Mapping[str, Any], folder: Path) -> tup
         try:
             entry = entry_at(case, path)
         except InputError as error:
-            raise InputError.at(f"parameters.{path}", error.message) from None
+            raise InputError(replace(error.problems[0], key=f"parameters.{path}", given=None)) from None
         # an absolute pressure is above that at the outlet, which may differ from design to design
         fluid = None if any(path.startswith("fluid.") for path in ranges) else case.written.get("fluid")
         inputs.append(_resolve_files(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))

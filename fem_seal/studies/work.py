@@ -18,13 +18,14 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import names_files, with_files
 from fem_seal.case.words import problem
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, write
 from fem_seal.seal.evaluate import Batch, Turn, without_time_limit
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.store import Row, stored_number
 from fem_seal.studies.tables import Parameter, design_text, entries
 from fem_seal.studies.time_limit import Block, Watch, overtime_reason, slow_line
+from fem_seal.units import Display
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -175,7 +176,9 @@ def calculate(spec: DesignSpec, chunk: FloatArray, turn: Turn = without_time_lim
     return [
         replace(rows[number], seconds=batch.seconds[number])
         if number in rows
-        else failed_row(spec, point, _reason_text(batch.failed[number]), batch.seconds[number])
+        else failed_row(
+            spec, point, _reason_text(batch.failed[number], spec.case.display), batch.seconds[number]
+        )
         for number, point in enumerate(points)
     ]
 
@@ -249,7 +252,7 @@ def _row(spec: DesignSpec, point: Sequence[float], design: DesignResult) -> Row:
         reason=None,
         seconds=0.0,
         validity=str(design.validity.level),
-        validity_reasons="; ".join(design.validity.reasons),
+        validity_reasons="; ".join(design.validity.reasons_in(spec.case.display)),
         verdict=None if design.verdict is None else str(design.verdict),
     )
 
@@ -265,8 +268,8 @@ def overtime_row(spec: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
     return failed_row(spec, point, overtime_reason(spec.time_limit), spec.time_limit)
 
 
-def _reason_text(error: BaseException) -> str:
-    text = " ".join(str(error).split())[:500]
+def _reason_text(error: BaseException, display: Display) -> str:
+    text = " ".join(write(error, display).split())[:500]
     is_own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
     return text if is_own and text else f"{type(error).__name__}: {text}"
 

@@ -21,25 +21,20 @@ from fem_seal.seal.findings import (
     Validity,
     caution,
     fade_in,
+    near_limit,
     remark,
 )
 from fem_seal.seal.leak_model import DIRECT_END
-from fem_seal.seal.load_result import LoadResult, load_name
+from fem_seal.seal.load_result import LoadResult, load_words
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import (
     DIGITS,
-    fixed_at_limit,
-    fixed_quantity,
-    fixed_unit,
     format_at_limit,
-    format_value,
-    number,
-    round_digits,
-    short_quantity,
 )
 from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import material_cautions
+from fem_seal.wording import Quantity, Words
 from leak import ConductivityTable
 
 if TYPE_CHECKING:
@@ -275,13 +270,15 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
         At least one.
     """
     ends = [pick(answers, key=lambda load: load.applied_force) for pick in (min, max)]
-    forces = dict.fromkeys(
-        f"{short_quantity('force', load.applied_force)} at {format_value(load.fluid_pressure, '.4g bar')}"
-        for load in ends
-    )
+    each = "{{ force | quantity('short force') }} at {{ pressure | quantity('.4g bar') }}"
+    forces = [Words(each, {"force": load.applied_force, "pressure": load.fluid_pressure}) for load in ends]
+    lowest, highest = forces
+    range_of = "at the force for the target leak rate, {{ low }}{{ ' to ' if several }}{{ high if several }}"
+    several = str(lowest) != str(highest)
+    place = Words(range_of, {"low": lowest, "high": highest, "several": several})
     for finding in _at_target(problem, answers):
         if not finding.silent:
-            yield finding.at_place(f"at the force for the target leak rate, {' to '.join(forces)}")
+            yield finding.at_place(place)
 
 
 def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
@@ -358,7 +355,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
     for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
         pairs = [(load, zone) for load, zone in elastic if zone.body == name]
         load, zone = max(pairs, key=lambda item: item[1].von_mises)
-        first = load_name(min((load for load, _ in pairs), key=lambda load: load.point), loads)
+        first = load_words(min((load for load, _ in pairs), key=lambda load: load.point), loads)
         r, z = zone.place
         yield caution(
             "yield_stress",
@@ -368,7 +365,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
             name=problem.contact.label_of(name),
             excess=_times(zone.excess, load, 3),
             stress=_stress(zone.von_mises, load, zone.yield_stress),
-            limit=fixed_quantity("MPa", zone.yield_stress),
+            limit=Quantity(zone.yield_stress, "fixed MPa"),
             r=r,
             z=z,
             depth=_um(zone.depth, load, 3),
@@ -410,7 +407,7 @@ def _yields_before_fluid(problem: SealProblem, loads: Sequence[LoadResult]) -> I
             name=problem.contact.label_of(name),
             lower=problem.contact.seat.label,
             excess=_times(excess, load),
-            limit=fixed_quantity("MPa", problem.materials[name].yield_stress or 0.0),
+            limit=Quantity(problem.materials[name].yield_stress or 0.0, "fixed MPa"),
             applied=load.applied_force,
         )
 
@@ -440,7 +437,7 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
                 name=label,
                 pressure=_named_pressure(load),
                 peak=_stress(peak, load, limit),
-                limit=fixed_at_limit("MPa", limit, peak, 2),
+                limit=near_limit(limit, peak, 2),
                 basis=basis,
                 material=material.name or label,
             )
@@ -573,15 +570,15 @@ def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]
     yield from (finding for finding in _temperature_cautions(problem) if finding.level is not Level.VALID)
 
 
-def _stress(pressure: float, load: LoadResult, limit: float) -> str:
+def _stress(pressure: float, load: LoadResult, limit: float) -> Words:
     """A contact pressure or stress of a load, with enough digits to tell it from a limit [Pa]."""
-    return fixed_at_limit("MPa", pressure, limit, load.pressure_digits)
+    return near_limit(pressure, limit, load.pressure_digits)
 
 
-def _two_digits(value: float, unit: str) -> str:
+def _two_digits(value: float, unit: str) -> Words:
     """A force or pressure [SI] in a unit of the field, or that in its place."""
-    usual = fixed_unit(unit)
-    return f"{number(usual.of(value), 2)} {usual.name}"
+    words = "{% set usual = display.fixed_unit(unit) %}{{ usual.of(value) | quantity('number 2') }} {{ usual.name }}"
+    return Words(words, {"value": value, "unit": unit})
 
 
 def _times(share: float, load: LoadResult, digits: int = 2) -> str:
@@ -589,9 +586,9 @@ def _times(share: float, load: LoadResult, digits: int = 2) -> str:
     return format_at_limit(share, 1.0, min(load.pressure_digits, digits))
 
 
-def _um(length: float, load: LoadResult, digits: int = DIGITS) -> str:
+def _um(length: float, load: LoadResult, digits: int = DIGITS) -> Quantity:
     """A length with the accuracy of the contact width, in um or what is in its place."""
-    return fixed_quantity("um", length, min(load.digits_of("std"), digits))
+    return Quantity(length, f"fixed um {min(load.digits_of('std'), digits)}")
 
 
 def _highest_pressure(load: LoadResult) -> float:
@@ -644,7 +641,7 @@ def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: f
     if tight:
         load = max(tight, key=lambda load: load.peak_pressure)
         peak = load.tightest.highest
-        first = load_name(min(tight, key=lambda load: load.point), loads)
+        first = load_words(min(tight, key=lambda load: load.point), loads)
         leaky = surface.hardness is not None and surface.latest_sealing_pressure > peak
         yield caution(
             "sealed",
@@ -654,7 +651,7 @@ def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: f
             threshold=surface.percolation_threshold,
             pressure=_named_pressure(load),
             peak=_stress(peak, load, sealing),
-            limit=fixed_quantity("MPa", sealing),
+            limit=Quantity(sealing, "fixed MPa"),
             first=first,
         )
         yield from _few_channels(load, loads, surface)
@@ -745,17 +742,13 @@ def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadR
     """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
     peak, (low, high) = load.peak_pressure, table.range
     at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
-    unit = fixed_unit("MPa")
-    range_text = (
-        f"{round_digits(unit.of(low), DIGITS):g} to {round_digits(unit.of(high), DIGITS):g} {unit.name}"
-    )
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
-        yield caution("direct_range", load, loads, side=side, simulated=range_text, at=at)
+        yield caution("direct_range", load, loads, side=side, low=low, high=high, at=at)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
     if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
-        n, of, pressure = tight[-1].blocked, tight[-1].samples, format_value(tight[-1].pressure, ".4g MPa")
+        n, of, pressure = tight[-1].blocked, tight[-1].samples, Quantity(tight[-1].pressure, ".4g MPa")
         yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressure, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     below, above = (math.exp(error) for error in table.log_error(row))

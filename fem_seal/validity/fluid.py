@@ -15,8 +15,9 @@ from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, Level, 
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import format_value, round_digits
+from fem_seal.units import round_digits
 from fem_seal.validity.materials import FAR, NEAR
+from fem_seal.wording import Quantity
 
 if TYPE_CHECKING:
     from leak import Gas, GasInertia, LeakResult
@@ -133,7 +134,7 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
         return
     ratio = float(law.viscosity_ratio(pressure))
     if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHT):
-        limit = format_value(law.highest_pressure, ".4g bar")
+        limit = Quantity(law.highest_pressure, ".4g bar")
         yield caution("thickening_extrapolated", load, loads, known=limit, fluid=flow.fluid, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     yield caution(
@@ -164,7 +165,7 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
         leak_factor=fade_in(Bounds(low, high), pressure / _THICKENS),
         proven=False,
         is_reported=pressure > _THICKENS,
-        pressure=format_value(pressure, ".4g bar"),
+        pressure=Quantity(pressure, ".4g bar"),
         share=share,
         fluid=flow.fluid,
         little=1e9 * weak.coefficient,
@@ -179,7 +180,7 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
     if gas.real is not None and highest > gas.real.highest_pressure:
-        at, limit = (format_value(pressure, ".4g bar") for pressure in (highest, gas.real.highest_pressure))
+        at, limit = (Quantity(pressure, ".4g bar") for pressure in (highest, gas.real.highest_pressure))
         condenses = gas.real.condenses
         yield caution(
             "condensed" if condenses else "dense_gas",
@@ -190,7 +191,7 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
             known=limit,
         )
     elif gas.real is None and highest > (liquid := condensation_pressure(gas)):
-        at, limit = (format_value(pressure, ".4g bar") for pressure in (highest, liquid))
+        at, limit = (Quantity(pressure, ".4g bar") for pressure in (highest, liquid))
         yield caution(
             "condensed", outside=True, gas=gas.name, temperature=gas.temperature, at=at, known=limit
         )
@@ -219,8 +220,8 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float, *, is_reported: bool) 
         proven=False,
         is_reported=is_reported,
         gas=gas.name,
-        at=format_value(highest, ".4g bar"),
-        dilute=format_value(gas.dilute_pressure, ".4g bar"),
+        at=Quantity(highest, ".4g bar"),
+        dilute=Quantity(gas.dilute_pressure, ".4g bar"),
         other=name,
         **factors,
     )

@@ -10,11 +10,12 @@ import numpy as np
 from fem_seal.form import FormError
 from fem_seal.loads import LARGEST_EXCESS
 from fem_seal.seal.circumference import Circumference
-from fem_seal.seal.findings import Bounds, Finding, Level, caution, fade_in, remark
+from fem_seal.seal.findings import Bounds, Finding, Level, caution, fade_in, near_limit, remark
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import fixed_at_limit, fixed_quantity, format_at_limit
+from fem_seal.units import format_at_limit
 from fem_seal.validity.fluid import opening_factor
+from fem_seal.wording import Quantity
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
 # line load, and beyond which it is void; see docs/theory/form.md.
@@ -131,6 +132,6 @@ def _crest(
             outside=stress > LARGEST_EXCESS * min(limits),
             times=times,
             ratio=ratio,
-            stress=fixed_at_limit("MPa", stress, limit, min(load.pressure_digits, 3)),
-            limit=fixed_quantity("MPa", limit),
+            stress=near_limit(stress, limit, min(load.pressure_digits, 3)),
+            limit=Quantity(limit, "fixed MPa"),
         )

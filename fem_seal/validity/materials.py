@@ -10,7 +10,7 @@ from typing import Any
 from fem_seal.materials import ROOM_TEMPERATURE, Material, in_degrees
 from fem_seal.seal.findings import Finding, Level, caution
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import format_value
+from fem_seal.wording import Quantity
 
 # Distance of a temperature from the known range of a number above which it is reported, and above which the results
 # are doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.
@@ -110,7 +110,7 @@ def _caution_beyond_table(names: Mapping[str, Any], material: Material, key: str
         number=_WORDS[key][0],
         material=material.name,
         reach=table.reach,
-        value=format_value(value, f".4g {unit}") if pressure else _with_unit(key, value),
+        value=Quantity(value, f".4g {unit}") if pressure else _with_unit(key, value),
         end=in_degrees(end),
         at=in_degrees(at),
         example=_table(key, end, at, _with_unit(key, value)),

@@ -77,7 +77,9 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
     if not known:
         found = TARGET.of(result.answers)
         why = (
-            found.remarks[0].text.removeprefix("load.target_leak_rate = ") if found and found.remarks else ""
+            found.remarks[0].text(display).removeprefix("load.target_leak_rate = ")
+            if found and found.remarks
+            else ""
         )
         return say(display, "target", "unmet", why=why) if why else ""
     # a fluid that closes the seal leaves most to the spring at its lowest pressure

@@ -328,15 +328,17 @@ def remarks_in_brief(result: SealSolution) -> dict[str, str]:
     ----------
     result : SealSolution
     """
-    known = {one.text: one for one in all_cautions(result.answers)}
+    display = result.case.display
+    known = {one.text(display): one for one in all_cautions(result.answers)}
     kinds, target = {one.kind for one in FINDINGS.of(result.answers).cautions}, TARGET.of(result.answers)
-    again = {one.text for one in target.remarks if one.kind in kinds} if target else set()
+    again = {one.text(display) for one in target.remarks if one.kind in kinds} if target else set()
     told: dict[str, str] = {}
     for text in result.warnings:
         if text in known and text not in again:
             found = known[text]
-            place = f"{found.place[:1].upper()}{found.place[1:]}"
-            told.setdefault(found.reason, ". ".join(filter(None, (place, found.remedy))))
+            place = found.place(display)
+            texts = (f"{place[:1].upper()}{place[1:]}", found.remedy(display))
+            told.setdefault(found.reason(display), ". ".join(filter(None, texts)))
         elif text not in again:
             told.setdefault(text, "")
     return told

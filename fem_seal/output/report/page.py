@@ -19,6 +19,7 @@ from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone
+from fem_seal.errors import write
 from fem_seal.files import write_text
 from fem_seal.output import case_words, shown_answers
 from fem_seal.output.answers import variants, verdict
@@ -382,7 +383,8 @@ def comparison_note(result: SealSolution) -> str:
     if result.unloaded_bodies is not None:
         return phrase("notes.comparison", "yielding")
     if limits := closed_form_limits(result.case, derive_beside(result)):
-        return f"{limits[0].upper()}{limits[1:]}."
+        text = write(limits, result.case.display)
+        return f"{text[0].upper()}{text[1:]}."
     return phrase("notes.comparison", law_word(result.case))
 
 
@@ -459,7 +461,7 @@ def validity_table(result: SealSolution) -> ReadableTable:
     """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
     rows: list[dict[str, object]] = [
-        {"load": load_name(load, loads), "level": one.level, "reason": one.reason}
+        {"load": load_name(load, loads), "level": one.level, "reason": one.reason(result.case.display)}
         for load in loads
         for one in load.validity.doubts
     ]

@@ -96,7 +96,7 @@ def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(end
     outside = LoadVerdict.of(Limit("leak rate", 2.0), ends, OUTSIDE)
     assert outside.verdict == ("fail" if math.isinf(ends[0]) else "inconclusive")
     far = LoadVerdict.of(Limit("leak rate", 2.0), (2001.0, 1e6), OUTSIDE)
-    assert (far.verdict, far.why, far.reason) == (Verdict.FAIL, VerdictReason.FAR, OUTSIDE.reasons[0])
+    assert (far.verdict, far.why, str(far.reason)) == (Verdict.FAIL, VerdictReason.FAR, OUTSIDE.reasons[0])
     assert LoadVerdict.of(Limit("leak rate", 2.0), (1999.0, 1e6), OUTSIDE).verdict == "inconclusive"
     if math.isinf(margin):
         # of a zero that may not be claimed there is no margin
@@ -145,7 +145,9 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     assert judged.verdict in (plain.verdict, f"{plain.verdict} unless", "inconclusive")
     assert judged.ends == widened(ends, doubt) and judged.margin == limit / judged.ends[1]
     if judged.verdict != plain.verdict:
-        assert judged.why is VerdictReason.ACCURACY and any(one in judged.reason for one in doubt.reasons)
+        assert judged.why is VerdictReason.ACCURACY and any(
+            one in str(judged.reason) for one in doubt.reasons
+        )
         assert low <= limit < high
         # off by so much it would be at the limit
         assert judged.off == pytest.approx(limit / ends[1] if plain.verdict == "pass" else ends[0] / limit)
@@ -175,7 +177,7 @@ def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends,
     few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", factor)])
     judged = LoadVerdict.of(Limit("leak rate", 2.0), widened(ends, few), few)
     assert judged.verdict == verdict
-    assert (judged.why, judged.reason) == (
+    assert (judged.why, str(judged.reason)) == (
         (VerdictReason.ACCURACY, "few channels") if "unless" in verdict else (VerdictReason.LIMIT, "")
     )
 

@@ -263,10 +263,10 @@ def test_a_curve_of_the_library_is_that_of_room_temperature_and_says_so(celsius,
             load={"fluid_pressure": "20 bar"},
             temperature={"closure": f"{celsius} degC", "seat": f"{celsius} degC"},
         )
-        return [one for one in material_cautions(SealProblem.of(seal)) if "curve" in one.reason]
+        return [one for one in material_cautions(SealProblem.of(seal)) if "curve" in one.reason()]
 
     assert [one.level for one in told("library")] == ([] if level is None else [level])
-    assert all(f"used for {celsius} degC" in one.text for one in told("library"))
+    assert all(f"used for {celsius} degC" in one.text() for one in told("library"))
     # a curve of the case is the user's own
     assert told({"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}) == []
 

@@ -114,7 +114,7 @@ CONE = {"shape": "cone", "angle": "45 deg"}
     ],
 )
 def test_says_which_face_is_touched_instead(closure, seat, said) -> None:
-    told = [text for _, _, text in face_remarks(case(closure, seat))]
+    told = [str(text) for _, _, text in face_remarks(case(closure, seat))]
     if said is None:
         assert len(told) == 1 and 'seat.shape = "conical-land"' in told[0]
         assert "inside its land" in told[0]
@@ -153,7 +153,7 @@ def test_a_land_wider_than_the_face_of_the_plug_is_told(width, told) -> None:
     found = list(face_remarks(case(plug, land)))
     assert [name for name, _, _ in found] == ["land_beyond_face"] * told
     if told:
-        assert "conical face of the closure" in found[0][2]
+        assert "conical face of the closure" in str(found[0][2])
         # it is calculated as it is: nothing is doubtful
         result = fem_seal.run(case(plug, land, applied_force="100 N"))
         reasons = " ".join(result.loads[0].validity.reasons)
@@ -187,7 +187,7 @@ def test_a_curve_written_as_short_lines_is_told() -> None:
     # a facet right across the contact, as if the ball were turned
     (told,) = face_remarks(case(faceted(60, 0.5), CONE))
     assert told[:2] == ("facets", "closure")
-    assert "60 straight lines of about 0.52" in told[2]
+    assert "60 straight lines of about 0.52" in str(told[2])
     # a corner right on the cone cannot be calculated, and no edge radius of the ball would help
     with pytest.raises(fem_seal.InputError, match="60 short lines in a row stand for a curve; draw arcs"):
         case(faceted(60, 0.3), CONE)

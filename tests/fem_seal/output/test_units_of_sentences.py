@@ -133,19 +133,18 @@ def test_table_of_the_direct_simulation_takes_the_units_of_the_case():
 
 def test_a_finding_takes_the_units_of_the_system():
     values = {"share": 0.03, "size": 2.54e-5}
-    assert "present 25.4 um" in caution("mesh", **values).text
-    with shown_in(Display("US")):
-        assert "present 1000 uin" in caution("mesh", **values).text
-        at = {
-            "stress": "2 ksi",
-            "excess": "2",
-            "limit": "29 ksi",
-            "r": 0.0127,
-            "z": 0.0,
-            "depth": "",
-            "deepest": "",
-        }
-        told = caution("yield_stress", name="seat", where="290 psi", first="", **at).text
+    assert "present 25.4 um" in caution("mesh", **values).text()
+    assert "present 1000 uin" in caution("mesh", **values).text(Display("US"))
+    at = {
+        "stress": "2 ksi",
+        "excess": "2",
+        "limit": "29 ksi",
+        "r": 0.0127,
+        "z": 0.0,
+        "depth": "",
+        "deepest": "",
+    }
+    told = caution("yield_stress", name="seat", where="290 psi", first="", **at).text(Display("US"))
     assert "2 ksi at r = 0.5 in" in told and "exceeds 29 ksi" in told
 
 

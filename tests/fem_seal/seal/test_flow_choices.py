@@ -109,7 +109,7 @@ def test_a_surface_without_slopes_seals_at_its_sealing_pressure():
     )
     assert result.table.peak_pressure_Pa[0] > surface.sealing_pressure
     assert result.table.leak_rate_m3_per_s[0] == 0.0
-    words = " ".join(caution.text for caution in result.loads[0].validity.cautions)
+    words = " ".join(caution.text() for caution in result.loads[0].validity.cautions)
     assert f"{surface.sealing_pressure / 1e6:.4g} MPa" in words
 
 

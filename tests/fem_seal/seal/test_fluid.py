@@ -378,7 +378,7 @@ def test_a_turbulent_load_is_told_before_one_of_more_inertia(monkeypatch):
     numbers = {id(wide): (1500.0, 3.0), id(turbulent): (2500.0, 2.0)}
     monkeypatch.setattr(fluid_warnings, "_of_liquid", lambda flow, load: numbers[id(load)])
     (found,) = fluid_warnings._inertia(SimpleNamespace(fluid="water", gas=None), [wide, turbulent])
-    assert found.level is Level.OUTSIDE and "at 2 bar" in found.text
+    assert found.level is Level.OUTSIDE and "at 2 bar" in found.text()
 
 
 @pytest.mark.parametrize(
@@ -442,7 +442,7 @@ def test_a_study_sees_the_inertia_that_a_run_sees(fluid, amplitude):
         **(waves if amplitude else {}),
     )
     told = [
-        {one.reason for one in validity.cautions if one.kind == "inertia"}
+        {one.reason() for one in validity.cautions if one.kind == "inertia"}
         for validity in (
             evaluate_design(seal, ("leak_rate_m3_per_s", "margin")).validity,
             run_loads(seal).loads[0].validity,

@@ -163,7 +163,7 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
         2: "strain",
         3: "path",
     }
-    told = [caution.text for caution in not_calculated(Loads.of(path), refused_loads(path))]
+    told = [caution.text() for caution in not_calculated(Loads.of(path), refused_loads(path))]
     assert len(told) == 3
     assert "At 10 bar with 0 N: a body that yields depends on its load history" in told[2]
 
@@ -204,8 +204,8 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
     pressures = Loads.of(case(load={"fluid_pressure": ["5 bar", "2 bar", "8 bar"]}))
     failures = {0: ConvergenceError("no luck"), 2: ZeroDivisionError("float division by zero")}
     (said,) = not_calculated(pressures, SolvedLoads((), failures=failures).problems)
-    assert said.text == "not calculated: 5 bar, 8 bar, no solution was found. At 5 bar: no luck"
-    assert said.reason == "not calculated: 5 bar, 8 bar, no solution was found"
+    assert said.text() == "not calculated: 5 bar, 8 bar, no solution was found. At 5 bar: no luck"
+    assert said.reason() == "not calculated: 5 bar, 8 bar, no solution was found"
 
 
 # ---------------------------------------------------------------- steps that fail

@@ -174,7 +174,7 @@ def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_ev
     assert not [one for one in load_validity(problem, new).cautions if one.kind == "yield stress"]
     validity = load_validity(problem, load)
     (caution,) = [one for one in validity.cautions if one.kind == "yield stress"]
-    assert caution.reason.startswith("largest earlier load: seat: von Mises stress")
+    assert caution.reason().startswith("largest earlier load: seat: von Mises stress")
     assert validity.level == caution.level
 
 

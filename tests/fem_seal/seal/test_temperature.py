@@ -422,7 +422,7 @@ def hot(
 
 def said_of(one: fem_seal.Case) -> dict[str, tuple[Level, str]]:
     return {
-        f"{caution.kind}, {caution.reason.split(':')[0]}": (caution.level, caution.text)
+        f"{caution.kind}, {caution.reason().split(':')[0]}": (caution.level, caution.text())
         for caution in material_cautions(SealProblem.of(one))
     }
 
@@ -441,7 +441,7 @@ def test_a_fluid_keeps_a_temperature_of_its_own_and_the_result_says_so(fluid, le
     given = hot(temperature="200 degC", fluid={"name": "nitrogen", **fluid})
     found = [one for one in film_cautions(SealProblem.of(given)) if one.kind == "film temperature"]
     assert [one.level for one in found] == ([] if level is None else [level])
-    assert all(fluid["temperature"] in one.text and "200 degC" in one.text for one in found)
+    assert all(fluid["temperature"] in one.text() and "200 degC" in one.text() for one in found)
 
 
 @pytest.mark.parametrize(
@@ -451,7 +451,9 @@ def test_a_hot_fluid_between_bodies_without_a_temperature_is_told(given, level) 
     cold = case(fluid={"name": "nitrogen", "temperature": given}, load={"fluid_pressure": "10 bar"})
     found = [one for one in film_cautions(SealProblem.of(cold)) if one.kind == "film temperature"]
     assert [one.level for one in found] == ([] if level is None else [level])
-    assert all(given in one.text and "20 degC" in one.text and "[temperature]" in one.text for one in found)
+    assert all(
+        given in one.text() and "20 degC" in one.text() and "[temperature]" in one.text() for one in found
+    )
 
 
 def test_a_hot_case_takes_the_hot_numbers_of_the_library() -> None:

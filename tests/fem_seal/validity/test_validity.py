@@ -19,7 +19,7 @@ PAPER = SURFACE.spectrum
 
 
 def said(kind, *loads, **how):
-    return " ".join(caution.text for caution in judged(kind, *loads, **how))
+    return " ".join(caution.text() for caution in judged(kind, *loads, **how))
 
 
 def pressure_at(area: float) -> float:
@@ -43,10 +43,10 @@ def test_a_short_contact_that_leaks_above_the_sealing_pressure_is_not_called_sea
     short = load(peak=1.01 * SURFACE.sealing_pressure, leak_rate=1e-15)
     assert said("sealed", short) == ""
     (found,) = judged("nearly sealed", short)
-    assert "Above 0.42" in found.text and "so narrow that some are" in found.text
-    assert "above the percolation threshold" in found.reason and "close to" not in found.reason
+    assert "Above 0.42" in found.text() and "so narrow that some are" in found.text()
+    assert "above the percolation threshold" in found.reason() and "close to" not in found.reason()
     (close,) = judged("nearly sealed", load(peak=0.98 * SURFACE.sealing_pressure, leak_rate=1e-15))
-    assert "close to the percolation threshold" in close.reason
+    assert "close to the percolation threshold" in close.reason()
     area = float(SURFACE.contact_area(1.01 * SURFACE.sealing_pressure))
     assert found.leak_factor == (pytest.approx(1e-3 ** ((area - 0.39) / 0.16)), np.inf)
 
@@ -262,9 +262,9 @@ def test_checks_of_the_interface_are_part_of_a_run():
     )
     surface = replace(result.surface, spectrum=spectrum)
     found = warnings.contact_cautions(replace(result.problem, surface=surface), result.loads)
-    assert any("too short a wave" in one.text for one in found)
+    assert any("too short a wave" in one.text() for one in found)
     own = warnings.contact_cautions(result.problem, result.loads)
-    assert set(result.warnings) <= {caution.text for caution in own}
+    assert set(result.warnings) <= {caution.text() for caution in own}
 
 
 @pytest.mark.slow
