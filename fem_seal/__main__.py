@@ -40,6 +40,7 @@ def main() -> int:
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
     gc.set_threshold(150_000, 20, 50)
     postpone_unused_imports()
+    _tidy_docstrings_once()
     try:
         from fem_seal.cli.app import main as command_line
 
@@ -58,6 +59,14 @@ def _write_every_sign() -> None:
             # whoever has chosen an encoding gets it, and a question mark for what it lacks
             is_set = "PYTHONIOENCODING" in os.environ
             stream.reconfigure(errors="replace") if is_set else stream.reconfigure(encoding="utf-8")
+
+
+def _tidy_docstrings_once() -> None:
+    """While matplotlib is loaded, its classes tidy the docstrings that they share, each anew: a twentieth of a run."""
+    import inspect
+    from functools import cache
+
+    inspect.cleandoc = cache(inspect.cleandoc)
 
 
 # Modules that scipy and matplotlib load, with a hundred and fifty others, and that no command uses.

@@ -9,6 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+import leak
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.force_search import End, Trials, find_zero, sensible_forces
@@ -18,7 +19,6 @@ from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Circumference, LeakCurve, solve_both_around
 from fem_seal.seal.load_solver import LoadSolver
-from leak import Scratch, deepest_scratch
 
 # Sizes of the form error that the curve shows, over the one that is given.
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
@@ -310,7 +310,7 @@ def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, 
 def _deepest_scratch(case: Case, load: CaseLoad, trial: _FormLoad) -> tuple[float, float] | None:
     """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
-    grooves = [(x, x.groove) for x in trial.circumference.form.grooves if isinstance(x.groove, Scratch)]
+    grooves = [(x, x.groove) for x in trial.circumference.form.grooves if isinstance(x.groove, leak.Scratch)]
     if not grooves or limit is None:
         return None
     place, widest = max(grooves, key=lambda pair: pair[1].width)
@@ -318,7 +318,7 @@ def _deepest_scratch(case: Case, load: CaseLoad, trial: _FormLoad) -> tuple[floa
         return None
     flow, profile = trial.leaks.flow, trial.circumference.profile_at(place.angle)
     bare_rate = trial.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
-    deepest = deepest_scratch(
+    deepest = leak.deepest_scratch(
         lambda scratch: bare_rate + flow.bounds(profile, [scratch]).largest_extra,
         limit[1],
         width_over_depth=widest.width / widest.depth,

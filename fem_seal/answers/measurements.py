@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+import leak
 from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.arrays import FloatArray
@@ -21,8 +22,6 @@ from fem_seal.case.roughness import PARTS, FinishTable, Roughness
 from fem_seal.files import own_tables
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.findings import Bounds
-from leak import PowerSpectrum, error_correlation, implied_filter
-from leak.surfaces.random import height_scatter
 
 LEAK_TEST, LINE_SCAN = "leak_test", "line_scan"
 # Draws from the polynomial, how many of them are truths, and the samples that it goes through.
@@ -92,8 +91,10 @@ def line_scans(roughness: Roughness) -> LineScans:
     ----------
     roughness : Roughness
     """
+    from leak.surfaces.random import height_scatter
+
     lengths: dict[str, float] = {}
-    across: dict[str, PowerSpectrum] = {}
+    across: dict[str, leak.PowerSpectrum] = {}
     heights: dict[str, float] = {}
     for key, part in roughness.parts.items():
         if isinstance(part, FinishTable):
@@ -103,7 +104,7 @@ def line_scans(roughness: Roughness) -> LineScans:
         else:
             across[key] = part.build()
             heights[key] = across[key].rms_height
-            lengths[key] = _CUTOFFS * implied_filter("Rq", heights[key]).lambda_c
+            lengths[key] = _CUTOFFS * leak.implied_filter("Rq", heights[key]).lambda_c
     shares = {key: height**2 / sum(h**2 for h in heights.values()) for key, height in heights.items()}
     scatters = [shares[key] * height_scatter(spectrum, lengths[key]) for key, spectrum in across.items()]
     return LineScans(max(lengths.values()), math.hypot(*scatters), shares)
@@ -268,7 +269,7 @@ def error_root(log_peaks: FloatArray) -> FloatArray:
     log_peaks : ndarray, shape (loads,)
         See `leak.error_correlation`.
     """
-    values, vectors = np.linalg.eigh(error_correlation(log_peaks))
+    values, vectors = np.linalg.eigh(leak.error_correlation(log_peaks))
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 

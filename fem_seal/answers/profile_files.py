@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from fem_seal.files import column, drop_extremes, name_and_unit, read_any_text
 from fem_seal.units import parse_quantity
 from fem_seal.wording import Quantity
 from leak.errors import TableError
-from leak.text_tables import TextTable, read_tables
 from meshes import ContactGeometry
+
+if TYPE_CHECKING:
+    from leak.text_tables import TextTable
 
 # A profile with fewer points has no shape to integrate over.
 _FEWEST_ROWS = 5
@@ -98,6 +101,8 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
     InputError
         If the file is no such table, or contradicts the case; the message says what was understood.
     """
+    from leak.text_tables import read_tables
+
     try:
         steps = [step for table in read_tables(read_any_text(file)) for step in _steps(table)]
         in_contact = [step for step in steps if step.pressure.max() > _LOWEST_PRESSURE]
