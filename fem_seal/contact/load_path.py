@@ -455,12 +455,12 @@ class _Walk:
         begin = begin.without_stop(balance)
         share = begin.change(end, self.model.initial_contact_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
-        way, steps, tries, stood = 0.0, 0, 0, self._way_to_stop(balance)
+        way, steps, tries, room = 0.0, 0, 0, self._way_to_stop(balance)
         earlier, last_step = None, 1.0
         while way < 1:
             if (at_stop := end.past_stop(balance)) is not None:
                 return at_stop, steps
-            if tries >= self.settings.most_steps * max(way, self._way_to_stop(balance) - stood, _AT_LEAST):
+            if tries >= self.settings.most_steps * max(way, self._way_to_stop(balance) - room, _AT_LEAST):
                 raise self._too_many_steps(begin.interpolate(end, way), end, balance, way, tries, step)
             tries += 1
             if number is not None:

@@ -164,14 +164,14 @@ class Circumference:
             If smooth surfaces are apart somewhere: their interface law says nothing of the flow there.
         """
         if self.local.opens and self.least_over_mean == 0.0:
-            apart = float(np.mean(self.line_load == 0.0))
+            share = float(np.mean(self.line_load == 0.0))
             raise OpenSealError(
-                f"the form error parts the surfaces over {share_text(apart)} of the circumference, and with "
+                f"the form error parts the surfaces over {share_text(share)} of the circumference, and with "
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "spectrum"'
             )
         rates, most = curve.leak_rates(self.line_load, self.before)
         bounds = tuple(
-            curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]) for placed in self.form.grooves
+            curve.flow.bounds(self.profile_at(groove.angle), [groove.groove]) for groove in self.form.grooves
         )
         total = float(rates.mean()) + sum(bound.largest_extra for bound in bounds)
         if bounds and not most.leak_rate > 0:
@@ -237,14 +237,14 @@ class LeakCurve:
         for corner in product((0.0, 1.0), repeat=2):
             step = np.array(corner)[:, None]
             weight = np.prod(np.where(step == 1.0, v - below, 1.0 - (v - below)), axis=0)
-            places, which = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
+            places, place_of = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
             corner_flows = [self._flow_after_load(float(a), float(b), before.local) for a, b in places.T]
             firsts = [self._flow_at(float(f)).leak_rate for f in places[0]]
             shares = [
                 flow.leak_rate / first if first > 0 else 1.0
                 for flow, first in zip(corner_flows, firsts, strict=True)
             ]
-            log_share += weight * np.log(np.maximum(shares, _NO_FLOW))[which.ravel()]
+            log_share += weight * np.log(np.maximum(shares, _NO_FLOW))[place_of.ravel()]
             flows += corner_flows
         return np.exp(log_share), max(flows, key=lambda flow: flow.leak_rate)
 
@@ -265,9 +265,9 @@ class LeakCurve:
             flow = self._flow_at(float(v[0]))
             return np.full(len(v), flow.leak_rate), flow
         lowest, highest = float(v.min()), float(v.max())
-        rounded = _ENDS * math.floor(lowest / _ENDS), _ENDS * math.ceil(highest / _ENDS)
+        wide_range = _ENDS * math.floor(lowest / _ENDS), _ENDS * math.ceil(highest / _ENDS)
         # rounded ranges are those of other forms as well, but may reach to where it is sealed
-        for low, high in (rounded, (lowest, highest)):
+        for low, high in (wide_range, (lowest, highest)):
             smooth_rates = self._polynomial_rates(low, high, v)
             if smooth_rates is not None:
                 return smooth_rates, self._flow_at(low)
@@ -323,8 +323,8 @@ def _polynomials(
     degree = len(places) - 1
     through = Chebyshev.fit(places, y, degree, (float(places[0]), float(places[-1])))
     values = np.exp(base + through(at))
-    less = (np.exp(base + through.truncate(degree + 1 - n)(at)) for n in (1, 2))
-    first, second = (float(np.abs(rates - values).mean() / values.mean()) for rates in less)
+    lower_degrees = (np.exp(base + through.truncate(degree + 1 - n)(at)) for n in (1, 2))
+    first, second = (float(np.abs(rates - values).mean() / values.mean()) for rates in lower_degrees)
     return max(first, _OF_TWO * second), values
 
 
@@ -406,10 +406,10 @@ def solve_around(form: FormError, local: LocalContact, start: Circumference | No
     size = ANGLES_PER_WAVE * max(form.highest // repeats, 1)
     if not form.felt_waves:
         angle = _angles(size * repeats)
-        even = np.full_like(angle, mean.line_load)
-        nothing = np.zeros_like(angle)
+        mean_load = np.full_like(angle, mean.line_load)
+        zero = np.zeros_like(angle)
         return Circumference(
-            form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing
+            form, local, angle, zero, mean_load, np.full_like(angle, local.mean_approach), zero
         )
     gap = form.gap(_angles(size) / repeats)
     stiffening = Stiffening(mean.model, mean.pressure, _highest_harmonic(form), repeats, local.openings)

@@ -250,8 +250,8 @@ class DirectSimulation:
         pressures, unload = self.settings.pressures, self.settings.unload
         samples = range(self.settings.samples)
         if self.takes_minutes:
-            path, back = tuple(sorted(set(pressures))), tuple(sorted(set(unload), reverse=True))
-            return [*(Piece(sample, "load", path, back) for sample in samples), Piece(0, "cutoff", path)]
+            path, release = tuple(sorted(set(pressures))), tuple(sorted(set(unload), reverse=True))
+            return [*(Piece(sample, "load", path, release) for sample in samples), Piece(0, "cutoff", path)]
         pieces = [Piece(sample, "load", (p,)) for p in pressures for sample in samples]
         pieces += [Piece(0, "cutoff", (p,)) for p in pressures]
         return pieces + [Piece(sample, "unload", unload) for sample in samples if unload]
@@ -361,8 +361,8 @@ class Piece(NamedTuple):
         ----------
         count : int
         """
-        back = max(count - len(self.pressures), 0)
-        return self._replace(pressures=self.pressures[:count], unload=self.unload[:back])
+        release = max(count - len(self.pressures), 0)
+        return self._replace(pressures=self.pressures[:count], unload=self.unload[:release])
 
 
 class PressedMap(NamedTuple):
@@ -579,8 +579,8 @@ class DirectTable:
             # without its shorter waves the patch may be tight
             changes.append(-math.log(row.cutoff_ratio) if row.cutoff_ratio > 0.0 else math.inf)
         theory = row.theory
-        if theory is not None and (cut := theory.cutoff_factor(Reading.CAPPED)) > 0.0:
-            changes.append(math.log(cut))
+        if theory is not None and (ratio := theory.cutoff_factor(Reading.CAPPED)) > 0.0:
+            changes.append(math.log(ratio))
         low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
         if self.simulation.settings.yield_stress is not None:
             high += LOAD_STEP_ERROR
@@ -658,8 +658,8 @@ class DirectTable:
         correction = PchipInterpolator(log_p, factor)(at) if p.size > 1 else factor[0]
         separation = theory.separation * np.exp(correction)
         # samples scatter, but no more flows at a higher pressure
-        falling = np.minimum.accumulate(separation) * (1.0 - 1e-9 * np.arange(separation.size))
-        return replace(theory, separation=falling, method="direct")
+        separation = np.minimum.accumulate(separation) * (1.0 - 1e-9 * np.arange(separation.size))
+        return replace(theory, separation=separation, method="direct")
 
 
 def simulate_surface(
@@ -692,11 +692,11 @@ def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray)
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
     assert simulation.settings.yield_stress is not None and simulation.load_step is not None
     state: ElastoplasticState | None = None
-    before = 0.0
+    last = 0.0
     for number, p in enumerate(chain(piece.pressures, piece.unload)):
-        steps = math.ceil(abs(p - before) / simulation.load_step)
+        steps = math.ceil(abs(p - last) / simulation.load_step)
         # one by one: states are large, and only the last one is needed
-        for step in np.linspace(before, p, steps + 1)[1:]:
+        for step in np.linspace(last, p, steps + 1)[1:]:
             (state,) = press_elastoplastic(
                 simulation.body,
                 heights,
@@ -705,7 +705,7 @@ def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray)
                 poissons_ratio=simulation.settings.poissons_ratio,
                 start=state,
             )
-        before = p
+        last = p
         assert state is not None  # pressures are above zero
         is_drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
         pressed_map = PressedMap(state.gap, state.pressure > 0.0, state.has_yielded)
@@ -749,9 +749,9 @@ def _row(
     cutoff: PieceRecord | None,
 ) -> DirectRow:
     area, gap = (np.array([getattr(x, name) for x in records]) for name in ("contact_area", "mean_gap"))
-    cubed = np.array([simulation.gap_cubed(record) for record in records])
-    logs = np.log(cubed[cubed > 0.0])
-    several, first = len(records) > 1, float(cubed[0])
+    gaps_cubed = np.array([simulation.gap_cubed(record) for record in records])
+    logs = np.log(gaps_cubed[gaps_cubed > 0.0])
+    several, first = len(records) > 1, float(gaps_cubed[0])
     return DirectRow(
         branch=branch,
         pressure=pressure,
@@ -764,7 +764,7 @@ def _row(
         gap_quantiles=tuple(np.mean([record.gap_quantiles for record in records], axis=0).tolist()),
         effective_gap=float(np.exp(logs.mean() / 3.0)) if logs.size else 0.0,
         log_scatter=float(logs.std(ddof=1)) if logs.size > 1 else math.nan,
-        blocked=int(np.count_nonzero(cubed == 0.0)),
+        blocked=int(np.count_nonzero(gaps_cubed == 0.0)),
         samples=len(records),
         cutoff_ratio=simulation.gap_cubed(cutoff) / first if cutoff is not None and first > 0.0 else math.nan,
         theory=None if cutoff is None else _theory(simulation, pressure),

@@ -312,10 +312,10 @@ def _place(
     assert strip.grid_spectrum is not None  # the surface is rough
     on_grid = replace(surface, spectrum=strip.grid_spectrum)
     peaks = log_peaks([contact])
-    whole = flow.table_around(surface, peaks)
+    table = flow.table_around(surface, peaks)
     tables = (flow.in_contact(flow.table_around(s, peaks), s, profile) for s in (surface, on_grid))
     through, through_held = (_conductance(flow, table, profile, load.fluid_pressure) for table in tables)
-    leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
+    leak = flow.leak_of(table, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
     gas = flow.gas
     flight = (
@@ -332,11 +332,11 @@ def _conductance(flow: FlowModel, table: Any, profile: PressureProfile, fluid_pr
     """12 eta over the integral of dx/sigma [m^2]; zero where the contact is sealed."""
     # far out the surfaces stand apart and resist next to nothing
     p = profile.pressure
-    within = p > _FAINT * p.max()
-    sigma = flow.conductivity_at(table, p[within], fluid_pressure)
+    in_contact = p > _FAINT * p.max()
+    sigma = flow.conductivity_at(table, p[in_contact], fluid_pressure)
     if not (sigma > 0.0).all():
         return 0.0
-    return 12.0 * flow.viscosity / float(profile.arc_weight[within] @ (1.0 / sigma))
+    return 12.0 * flow.viscosity / float(profile.arc_weight[in_contact] @ (1.0 / sigma))
 
 
 def _strip(contact: ContactSolution, surface: RoughContact, settings: DirectSettings) -> Strip:
@@ -349,10 +349,10 @@ def _strip(contact: ContactSolution, surface: RoughContact, settings: DirectSett
     p *= contact.line_load / (p.sum() * width / points[0])
     gap = np.interp(x, profile.x, profile.gap)
     # behind its ends the line goes on with the slope of its faces
-    for outside, end, step in ((x < line.x[0], 0, 1), (x > line.x[-1], -1, -2)):
+    for beyond_end, end, step in ((x < line.x[0], 0, 1), (x > line.x[-1], -1, -2)):
         slope = abs((profile.gap[end] - profile.gap[step]) / (line.x[end] - line.x[step]))
-        away = np.abs(x[outside] - line.x[end])
-        gap[outside] = profile.gap[end] + slope * away
+        distance = np.abs(x[beyond_end] - line.x[end])
+        gap[beyond_end] = profile.gap[end] + slope * distance
     lower, upper = profile.ends
     off_face = (x < (-math.inf if lower is None else lower)) | (x > (math.inf if upper is None else upper))
     rest = rest_gap(gap, p, width, surface.effective_modulus)

@@ -18,7 +18,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import ContactProblem, solve_many
 from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongPathError, NoLoadLeftError
+from fem_seal.errors import ConvergenceError, LimitLoadError, LongPathError, NoLoadLeftError
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
@@ -161,11 +161,6 @@ class Evaluation:
         """Of further loads on the same bodies."""
         return LoadSolver(self.problem, self.model, settings=self.source.settings)
 
-    @property
-    def missing(self) -> dict[tuple[float, float], LoadProblem]:
-        """Fluid pressure [Pa] and applied force [N] of each load without a contact, with the reason."""
-        return {self.all_loads.points[n]: problem for n, problem in self.solved_loads.problems.items()}
-
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
         """Each load with the contact that was found."""
@@ -297,9 +292,9 @@ def _evaluate_near_solved(
     def evaluate_near(number: int) -> Evaluation:
         problem, source, model = problems[number], sources[number], models[number]
         loads = source.solve(problem, model, contacts.get(number, {}))
-        every = range(len(problem.loads.points))
-        whole = replace(problem, loads=problem.loads.without_loads(set(every) - set(source.numbers)))
-        return Evaluation(_solved_part(whole, loads), loads, model, None, source, whole.loads)
+        numbers = range(len(problem.loads.points))
+        problem_near = replace(problem, loads=problem.loads.without_loads(set(numbers) - set(source.numbers)))
+        return Evaluation(_solved_part(problem_near, loads), loads, model, None, source, problem_near.loads)
 
     return batch.map(models, evaluate_near)
 
@@ -413,8 +408,8 @@ def _solving_text(solvers: Collection[LoadSolver]) -> str:
     seconds = sum(
         path_seconds(len(path.model.line.vertices) - 1, len(path.problem.loads.points)) for path in paths
     )
-    along = f", one after the other in load steps, and unloading: {about(seconds)}" if paths else ""
-    return f"solving {count} contacts{along}"
+    path_text = f", one after the other in load steps, and unloading: {about(seconds)}" if paths else ""
+    return f"solving {count} contacts{path_text}"
 
 
 Contacts = Mapping[int, ContactSolution | Exception]

@@ -150,8 +150,8 @@ def heating_of(case: CaseTables) -> Heating:
 
 def _line_loads(case: CaseTables) -> list[float]:
     contact, forces = case.contact, [case.expected_force(*point) for point in case.load.points]
-    closed = [force for force in forces if force > 0] or [1.0]
-    return [line_load(force, contact.initial_contact_radius, contact.angle) for force in closed]
+    closing_forces = [force for force in forces if force > 0] or [1.0]
+    return [line_load(force, contact.initial_contact_radius, contact.angle) for force in closing_forces]
 
 
 def _contact_reach(case: CaseTables) -> tuple[float, float]:

@@ -633,11 +633,11 @@ class LeakModel:
             log_p = np.array(log_pressure)
             return min(float(table.table_log_p(log_p)) - math.log(table.sealing_pressure) for table in tables)
 
-        beyond = 0.0
+        extra_area = 0.0
         if beyond_sealing(high) > 0.0:
             sealing = math.exp(root_between(beyond_sealing, low, high))
-            beyond = float(surface.contact_area(peak)) - float(surface.contact_area(sealing))
-        share = 1.0 - beyond / (surface.percolation_threshold - DIRECT_END)
+            extra_area = float(surface.contact_area(peak)) - float(surface.contact_area(sealing))
+        share = 1.0 - extra_area / (surface.percolation_threshold - DIRECT_END)
         if not share > 0.0:
             return 0.0
 
@@ -671,8 +671,8 @@ class LeakModel:
         """
         at, peak = profile.peak
         if profile.largest is not None:
-            before = float(np.interp(at, profile.x, profile.largest))
-            return float(self.surface.critical_separation(peak, largest=before))
+            largest = float(np.interp(at, profile.x, profile.largest))
+            return float(self.surface.critical_separation(peak, largest=largest))
         separation = self._separations.get(peak)
         return float(self.surface.critical_separation(peak)) if separation is None else separation
 

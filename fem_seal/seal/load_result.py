@@ -197,7 +197,7 @@ def load_results(
     problem: SealProblem,
     points: Iterable[tuple[float, float]],
     contacts: Sequence[ContactSolution],
-    around: Sequence[Circumference | None],
+    circumferences: Sequence[Circumference | None],
     table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
     others: Sequence[ContactSolution] = (),
 ) -> tuple[LoadResult, ...]:
@@ -209,7 +209,7 @@ def load_results(
     points : iterable of tuple
         Fluid pressure [Pa] and applied force [N] of each.
     contacts : sequence of ContactSolution
-    around : sequence of Circumference or None
+    circumferences : sequence of Circumference or None
         Each contact around the axis; None for a round seal.
     table : callable, optional
         Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
@@ -219,12 +219,12 @@ def load_results(
     results: dict[Hashable, LoadResult] = {}
     bare = [
         results.setdefault((point, id(contact)), LoadResult(*point, contact, circumference=circumference))
-        for point, contact, circumference in zip(points, contacts, around, strict=True)
+        for point, contact, circumference in zip(points, contacts, circumferences, strict=True)
     ]
     all_contacts = [*others, *(contact for load in results.values() for contact in load.contacts)]
     rough = LeakModel.of(problem.surface, problem.flow, all_contacts, table) if all_contacts else None
-    filled = {load: load.with_values(rough=rough) for load in results.values()}
-    return tuple(filled[load] for load in bare)
+    result_of = {load: load.with_values(rough=rough) for load in results.values()}
+    return tuple(result_of[load] for load in bare)
 
 
 def on_new_surfaces(load: LoadResult) -> LoadResult:

@@ -129,7 +129,7 @@ class LoadSolver:
         if self.yields or not self._on_sealed_area or self.problem.loads.unsolved_bolts is not None:
             return {}
         at_rest = self.problem.at_rest.body_loads(self.model)
-        forces = [applied + self.fluid_force(pressure) for pressure, applied in self.problem.loads.points]
+        forces = [force + self.fluid_force(pressure) for pressure, force in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
             number: ContactProblem(self.model, self.problem.law, force, at_rest, self.settings)
@@ -160,15 +160,15 @@ class LoadSolver:
         ConvergenceError
         """
         pressure, preload = self.problem.loads.points[number]
-        preloaded = self.solve(0.0, preload)
-        contact = preloaded
+        at_preload = self.solve(0.0, preload)
+        contact = at_preload
 
         def approach(force: float) -> float:
             nonlocal contact
             contact = self.solve(pressure, force, contact)
             return contact.approach
 
-        force = held_force(bolts, preload, approach, preloaded.approach)
+        force = held_force(bolts, preload, approach, at_preload.approach)
         return (pressure, force), self.solve(pressure, force, contact)
 
     @cached_property
@@ -204,8 +204,8 @@ class LoadSolver:
         """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
         says = sentence("opened", pressure=fluid_pressure, why=error, least=least)
-        given = Quantity(applied_force, ".6g N")
-        return InputError.at("load.applied_force", says, given, file=self.problem.file)
+        force = Quantity(applied_force, ".6g N")
+        return InputError.at("load.applied_force", says, force, file=self.problem.file)
 
     def on_path(self, fluid_pressure: float, applied_force: float, bolts: Bolts | None = None) -> PathLoad:
         """A load of the problem as one on the path of bodies that yield, by its way of closing.
@@ -286,9 +286,9 @@ class LoadSolver:
         if not contact_force > 0.0:
             raise OpenSealError("nothing is left for the solid contact")
         contact, circumference = (None, None) if start is None else (start.contact, start.circumference)
-        contact, applied = self.at_contact_force(fluid_pressure, contact_force, contact, progress)
+        contact, force = self.at_contact_force(fluid_pressure, contact_force, contact, progress)
         circumference = self.problem.circumference(contact, start=circumference)
-        return load_results(self.problem, [(fluid_pressure, applied)], [contact], [circumference])[0]
+        return load_results(self.problem, [(fluid_pressure, force)], [contact], [circumference])[0]
 
     def _solve_tightened(
         self, fluid_pressure: float, preload: float, progress: Progress | None
@@ -400,8 +400,8 @@ class LoadSolver:
 
     def _pressure_drops(self, profile: PressureProfile, fluid_pressure: float) -> list[float]:
         """Pressure on the inner side of each land less that on its outer side [Pa]; without a flow it falls evenly."""
-        inside = self.problem.loads.pressure_side == "inner"
-        inner, outer = (fluid_pressure, 0.0) if inside else (0.0, fluid_pressure)
+        from_inside = self.problem.loads.pressure_side == "inner"
+        inner, outer = (fluid_pressure, 0.0) if from_inside else (0.0, fluid_pressure)
         if self.flow is not None:
             lands = self.flow.leak(profile, fluid_pressure).lands
         else:
@@ -415,7 +415,7 @@ class LoadSolver:
                 for land in profile.lands
             ]
             lands = in_series(closed_lands, inner, outer, [None] * (len(closed_lands) - 1)).lands
-        return [before - after for before, after, _ in lands] or [inner - outer]
+        return [start - end for start, end, _ in lands] or [inner - outer]
 
     def _solve_sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
         at_rest = self.problem.at_rest.body_loads(self.model)
@@ -485,8 +485,8 @@ class SolvedLoads:
     @property
     def all_contacts(self) -> list[ContactSolution]:
         """Contacts that the mesh has to fit: of all loads, all around the axis, and of the largest before them."""
-        around = [contact for circumference in self.circumferences for contact in circumference.extremes]
-        return [*self.contacts, *around, *largest_before(self.contacts)]
+        extremes = [contact for circumference in self.circumferences for contact in circumference.extremes]
+        return [*self.contacts, *extremes, *largest_before(self.contacts)]
 
     @property
     def problems(self) -> dict[int, LoadProblem]:
@@ -532,15 +532,15 @@ def solve_loads(
             else:
                 bolt_point, contact = solver.solve_bolts(numbers[0], bolts)
                 bolt_loads.update(dict.fromkeys(numbers, bolt_point))
-            around = problem.circumference(contact)
+            circumference = problem.circumference(contact)
         except _NO_SOLUTION as error:
             failures.update(dict.fromkeys(numbers, error))
             continue
-        if around is not None:
-            problem = replace(problem, form=around.form)
-        solutions.update(dict.fromkeys(numbers, (contact, around)))
+        if circumference is not None:
+            problem = replace(problem, form=circumference.form)
+        solutions.update(dict.fromkeys(numbers, (contact, circumference)))
     contacts = [solutions[number][0] for number in sorted(solutions)]
-    circumferences = [around for number in sorted(solutions) if (around := solutions[number][1]) is not None]
+    circumferences = [x for number in sorted(solutions) if (x := solutions[number][1]) is not None]
     failures = dict(sorted(failures.items()))
     return SolvedLoads(contacts, failures=failures, circumferences=circumferences, points=bolt_loads)
 
@@ -554,14 +554,14 @@ def _solved_path(
     failures: dict[int, Exception] = {
         number: solver.open_on_path(points[number], opened) for number, opened in path.open_loads.items()
     }
-    closed = [number for number in range(len(points)) if number not in failures]
-    unsolved = closed[len(path.contacts) :]
-    if path.failure is not None and unsolved:
-        failures.update(_failures_after(unsolved, points, path.failure))
-    not_unloaded = None if unsolved or path.unloaded_bodies is not None else path.failure
+    closed_loads = [number for number in range(len(points)) if number not in failures]
+    unsolved_loads = closed_loads[len(path.contacts) :]
+    if path.failure is not None and unsolved_loads:
+        failures.update(_failures_after(unsolved_loads, points, path.failure))
+    not_unloaded = None if unsolved_loads or path.unloaded_bodies is not None else path.failure
     bolt_loads = {}
     if solver.problem.loads.unsolved_bolts is not None:
-        pairs = zip(closed, path.contacts, strict=False)
+        pairs = zip(closed_loads, path.contacts, strict=False)
         bolt_loads = {number: solver.point_of(points[number][0], contact) for number, contact in pairs}
     failures = dict(sorted(failures.items()))
     rest = path.unloaded_bodies
@@ -569,14 +569,14 @@ def _solved_path(
 
 
 def _failures_after(
-    unsolved: Sequence[int], points: Sequence[tuple[float, float]], stopped: Exception
+    numbers: Sequence[int], points: Sequence[tuple[float, float]], error: Exception
 ) -> dict[int, Exception]:
     """Why loads from the one at which a path ended have no contact."""
-    first, *others = unsolved
+    first, *others = numbers
     pressure, force = points[first]
-    before = sentence("load_with_force", pressure=pressure, force=force)
-    unknown = LoadProblem("load", sentence("after_a_load", load=before), kind="path")
-    return {first: stopped} | {number: InputError(unknown) for number in others}
+    load_name = sentence("load_with_force", pressure=pressure, force=force)
+    problem = LoadProblem("load", sentence("after_a_load", load=load_name), kind="path")
+    return {first: error} | {number: InputError(problem) for number in others}
 
 
 def _load_problem(error: Exception) -> LoadProblem:
@@ -647,7 +647,7 @@ def _walk_path(
     """
     problem, settings = solver.problem, PlasticSettings()
     way = list(problem.loads.path(points))
-    before = [place for place, (number, _) in enumerate(way) if number is None]
+    places = [place for place, (number, _) in enumerate(way) if number is None]
     loads = [
         solver.on_path(*point, bolts=None if number is None else problem.loads.unsolved_bolts)
         for number, point in way
@@ -679,15 +679,17 @@ def _walk_path(
         path = error.partial
     if solver.asperities_remember:
         # each with the largest pressures before it
-        path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, x: x.after(before))))
-    if not before:
+        path = replace(
+            path, contacts=tuple(accumulate(path.contacts, lambda last, contact: contact.after(last)))
+        )
+    if not places:
         return path
     if 0 in path.open_loads:
         raise solver.open_on_path(way[0][1], path.open_loads[0])
     if not path.contacts:
         return replace(path, failure=ConvergenceError(f"{problem.loads.preparation}: {path.failure}"))
-    closed = [number for place, (number, _) in enumerate(way) if place not in path.open_loads]
-    pairs = list(zip(closed, path.contacts, strict=False))
+    closed_loads = [number for place, (number, _) in enumerate(way) if place not in path.open_loads]
+    pairs = list(zip(closed_loads, path.contacts, strict=False))
     if not solver.asperities_remember:
         largest = pairs[0][1]
         for place, (number, contact) in enumerate(pairs):
@@ -706,13 +708,13 @@ _TOLD_EVERY = 5.0
 def _progress_teller(
     progress: Progress,
     way: Sequence[tuple[int | None, tuple[float, float]]],
-    before: str,
+    first_part: str,
     count: int,
     *,
     unload: bool,
 ) -> Callable[[PlaceOnPath], None]:
     """Tells how far a path of `count` loads is, with those before them, and how much time is left at this pace."""
-    begun = last = time.monotonic()
+    start = last = time.monotonic()
 
     def tell(place: PlaceOnPath) -> None:
         nonlocal last
@@ -720,12 +722,12 @@ def _progress_teller(
             return
         last = time.monotonic()
         share = (place.number + place.way) / (len(way) + unload)
-        remaining = f"; {about((last - begun) * (1 / share - 1))} left on this mesh" if share > 0 else ""
+        remaining = f"; {about((last - start) * (1 / share - 1))} left on this mesh" if share > 0 else ""
         number = way[place.number][0] if place.number < len(way) else count
-        what = before if number is None else f"load {number + 1} of {count}"
-        what = "unloading" if number == count else what
+        part = first_part if number is None else f"load {number + 1} of {count}"
+        part = "unloading" if number == count else part
         progress(
-            f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "
+            f"{part}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "
             f"{100 * place.step:.2g} %{remaining}"
         )
 
@@ -775,7 +777,7 @@ def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
             force = member.pressing_force
             solution = solve(member.linear, law, contact_force=force, loads=member.loads, start=member)
             # a contact of the true bodies, in the states that they are in
-            moved = replace(
+            contact_again = replace(
                 member,
                 contact_force=solution.contact_force,
                 stop_force=solution.stop_force,
@@ -785,7 +787,7 @@ def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
                 iterations=solution.iterations,
                 residuals=solution.residuals,
             )
-            solutions[id(member)] = moved.after(solutions.get(id(member.earlier)))
+            solutions[id(member)] = contact_again.after(solutions.get(id(member.earlier)))
     return [solutions[id(contact)] for contact in contacts]
 
 
@@ -807,19 +809,19 @@ def solve_again(
     ------
     ConvergenceError
     """
-    before = {id(earlier): earlier for contact in contacts for earlier in contact.history}
+    earlier_contacts = {id(earlier): earlier for contact in contacts for earlier in contact.history}
     outcomes = solve_many(
         [
             ContactProblem(model, law, load.pressing_force, load.loads, DEFAULT_SETTINGS, start=load)
-            for load in (*before.values(), *contacts)
+            for load in (*earlier_contacts.values(), *contacts)
         ]
     )
     for outcome in outcomes:
         if isinstance(outcome, ConvergenceError):
             raise outcome
     solutions = [outcome for outcome in outcomes if not isinstance(outcome, ConvergenceError)]
-    earlier = dict(zip(before, solutions, strict=False))
-    new = zip(contacts, solutions[len(before) :], strict=True)
+    earlier = dict(zip(earlier_contacts, solutions, strict=False))
+    new = zip(contacts, solutions[len(earlier_contacts) :], strict=True)
     return [contact.after(earlier.get(id(old.earlier))) for old, contact in new]
 
 

@@ -855,10 +855,10 @@ class SealFlow:
         scenario : SealProblem, optional
             Of the same contacts, of whose surface and fluid it is; the problem itself unless given.
         """
-        changed = scenario or problem
-        if changed.surface is None or changed.flow is None:
+        scenario_problem = scenario or problem
+        if scenario_problem.surface is None or scenario_problem.flow is None:
             return None
-        return cls(problem, changed.surface, changed.flow)
+        return cls(problem, scenario_problem.surface, scenario_problem.flow)
 
     def expected_rate(self, contact_force: float, fluid_pressure: float) -> float:
         """Leak rate of `expected_profile` under a force F_N [N] at a pressure difference [Pa] [m^3/s]."""
@@ -878,11 +878,11 @@ class SealFlow:
             Largest pressure that each place has carried before [Pa].
         """
         ends = np.cumsum([len(land.x) for land in profile.lands])
-        after = [
+        loaded_lands = [
             land.after(largest[end - len(land.x) : end])
             for land, end in zip(profile.lands, ends, strict=True)
         ]
-        return join_lands([land.equivalent(self._table(land)) for land in after])
+        return join_lands([land.equivalent(self._table(land)) for land in loaded_lands])
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
@@ -908,8 +908,8 @@ class SealFlow:
         low, high = self._expected_peaks
         # below the range the low-pressure law goes on, above it two more decades at a time
         top, peak = math.ceil(high + MARGIN), math.log10(profile.highest) + MARGIN
-        above = 2 * max(0, math.ceil((peak - top) / 2))
-        return self.flow.table_around(self.surface, (low, high + above))
+        decades = 2 * max(0, math.ceil((peak - top) / 2))
+        return self.flow.table_around(self.surface, (low, high + decades))
 
     def expected_profile(self, contact_force: float) -> PressureProfile:
         """Gaussian with the line load and the expected width of a contact that carries a force F_N [N].

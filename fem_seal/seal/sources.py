@@ -122,10 +122,10 @@ class Bodies:
     @classmethod
     def of(cls, problem: SealProblem, sizing: Sizing, rounding: MeshRounding) -> Self:
         """Those of a problem, their sizes rounded."""
-        exact = problem.contact_size is not None
+        exact_size = problem.contact_size is not None
         return cls(
             problem.contact,
-            round_sizes(sizing, problem.contact, exact_size=exact, rounding=rounding),
+            round_sizes(sizing, problem.contact, exact_size=exact_size, rounding=rounding),
             _elastic(problem.materials["closure"]),
             _elastic(problem.materials["seat"]),
             problem.supports,
@@ -270,8 +270,8 @@ class NeighbourSource(Source):
 
     def _moves(self, problem: SealProblem) -> bool:
         """Whether a contact is not the known one; a given one stays what it is."""
-        changed = problem.law is not self.solved_problem.law or self._stiffness(problem) != 1.0
-        return changed and not self._on_given_profiles
+        differs = problem.law is not self.solved_problem.law or self._stiffness(problem) != 1.0
+        return differs and not self._on_given_profiles
 
     def model(self, problem: SealProblem) -> ContactModel:
         """The known bodies, with another modulus where they have one."""
