@@ -231,7 +231,7 @@ def test_outside_the_theory_no_interval_is_claimed():
     (load,) = result.loads
     assert load.validity.outside_theory
     assert leakage_classes(result.case, load) == ()
-    assert "No leak rate can be" in first_line(result)
+    assert "No leak rate is stated at 4000 bar: outside the theory (" in first_line(result)
 
 
 def test_the_interval_of_a_gas_is_told_in_its_own_unit():
