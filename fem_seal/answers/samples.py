@@ -128,7 +128,7 @@ def _inputs_of_part(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     ]
     if settings.spectrum is not None:
         inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
-    finishes = uncertain_finishes(case.roughness, known=settings.spreads)
+    finishes = uncertain_finishes(case.roughness, names=settings.spreads)
     heights = uncertain_heights(case.roughness, between_scans=settings.spectrum is not None)
     return (*inputs, *finishes, *heights)
 

@@ -358,9 +358,9 @@ class Case(CaseTables):
     def _with(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The tables as they were given, with entries changed at dotted keys."""
         new_entries = {key: value for key, value in changes.items() if value is not None}
-        twice = said_twice(list(new_entries))
-        if twice:
-            raise InputError.at(twice[1], f"is {twice[0]} in other words; give one of them")
+        duplicates = said_twice(list(new_entries))
+        if duplicates:
+            raise InputError.at(duplicates[1], f"is {duplicates[0]} in other words; give one of them")
         new_tables = self._input
         entries = {same_entry(str(key)) for key in new_entries}
         # what is set in one word is not removed in the other

@@ -100,9 +100,9 @@ def _asperities(case: CaseTables) -> Iterator[Problem]:
 
 
 def _bodies(case: CaseTables) -> Iterator[Problem]:
-    wrong = [*case.closure.problems(), *case.lower.problems()]
-    if wrong:
-        yield from wrong
+    faults = [*case.closure.problems(), *case.lower.problems()]
+    if faults:
+        yield from faults
         return
     try:
         r0 = case.initial_contact_radius
@@ -263,8 +263,8 @@ def _spectrum(case: CaseTables) -> Iterator[Problem]:
         if isinstance(spectrum, SelfAffine):
             has_band = spectrum.q_low < spectrum.q_high
             if not has_band or not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
-                wrong = "q_rolloff" if has_band else "q_low"
-                yield problem(wrong, key=f"roughness.{name}", spectrum=spectrum)
+                entry = "q_rolloff" if has_band else "q_low"
+                yield problem(entry, key=f"roughness.{name}", spectrum=spectrum)
 
 
 def _interface(case: CaseTables) -> Iterator[Problem]:

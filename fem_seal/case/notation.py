@@ -166,7 +166,7 @@ def in_keys(
     >>> in_keys("seat", ConicalSeat, {"shape": "cone", "included_angle": "90 deg", "bore_diameter": "24 mm"})
     ({'shape': 'cone', 'angle': '0.7853981633974483 rad', 'bore_radius': '0.012 m'}, [])
     """
-    words, new_entries, wrong = words_of(table), {}, []
+    words, new_entries, faults = words_of(table), {}, []
     for name, value in entries.items():
         if name not in words:
             new_entries[name] = value
@@ -174,15 +174,15 @@ def in_keys(
         word = words[name]
         if word.key in entries:
             values = {"key": f"{body}.{name}", "word": name, "meaning": word.meaning, "value": show(value)}
-            wrong.append(problem("said_twice", **values, other=word.key, there=show(entries[word.key])))
+            faults.append(problem("said_twice", **values, other=word.key, there=show(entries[word.key])))
             continue
         try:
             new_entries[word.key] = word.in_key(value)
         except (QuantityError, ValueError) as error:
-            wrong.append(Problem(f"{body}.{name}", str(error), show(value)))
+            faults.append(Problem(f"{body}.{name}", str(error), show(value)))
             # what stands there is not known, but something does
             new_entries[word.key] = _example_value(table, word.key)
-    return new_entries, wrong
+    return new_entries, faults
 
 
 def as_written(problem: Problem, tables: Mapping[str, Any]) -> Problem:
@@ -264,19 +264,19 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
     -------
     tuple
     """
-    new_tables, wrong = dict(tables), list[Problem]()
+    new_tables, faults = dict(tables), list[Problem]()
     outlet = fluid.get("outlet_pressure") if isinstance(fluid, Mapping) else None
     if (match := _match(outlet)) and "fluid" in new_tables:
         if _kind(match) == "g":
-            wrong.append(problem("gauge_outlet", value=show(outlet), remedy=_absolute(match)))
+            faults.append(problem("gauge_outlet", value=show(outlet), remedy=_absolute(match)))
         new_tables["fluid"] = {**new_tables["fluid"], "outlet_pressure": _plain_text(match)}
     for table, key in _DIFFERENCES:
         entries = new_tables.get(table)
         if isinstance(entries, Mapping) and is_said_of_one_side(entries.get(key)):
             converter = _Differences(f"{table}.{key}", fluid)
             new_tables[table] = {**entries, key: converter.of(entries[key])}
-            wrong += converter.problems
-    return new_tables, wrong
+            faults += converter.problems
+    return new_tables, faults
 
 
 def as_difference(path: str, entry: Any, fluid: object) -> Any:

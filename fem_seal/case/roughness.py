@@ -777,13 +777,13 @@ class UncertainFinish:
         return np.asarray(2.0 * np.pi / means if self.name.startswith("q_") else means)
 
 
-def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -> Iterator[UncertainFinish]:
+def uncertain_finishes(roughness: Roughness | None, *, names: Collection[str]) -> Iterator[UncertainFinish]:
     """What the finishes of the table leave open.
 
     Parameters
     ----------
     roughness : Roughness or None
-    known : collection of str
+    names : collection of str
         What is told otherwise.
     """
     faces = {} if roughness is None else roughness.finishes
@@ -795,7 +795,7 @@ def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -
     if roughness is not None and "peklenik" in roughness.model_fields_set:
         spreads_by_name.pop("lay", None)
     for name, spreads in spreads_by_name.items():
-        if name not in known:
+        if name not in names:
             yield UncertainFinish(name, tuple(spreads))
 
 

@@ -509,18 +509,18 @@ class CaseTables(Table):
         InputError
             If a table of a material does not reach there.
         """
-        tables, wrong = {}, list[Problem]()
+        tables, faults = {}, list[Problem]()
         for name, temperature in (("closure", closure), ("seat", seat)):
             body, key = self.table_of(name), self.key_of(name)
             try:
                 material = body.material.at(temperature)
             except InputError as error:
-                wrong += [replace(fault, key=f"{key}.material.{fault.key}") for fault in error.problems]
+                faults += [replace(fault, key=f"{key}.material.{fault.key}") for fault in error.problems]
                 continue
             same = material is body.material
             tables[key] = body if same else body.model_copy(update={"material": material})
-        if wrong:
-            raise InputError(*wrong)
+        if faults:
+            raise InputError(*faults)
         return tables
 
     @property
@@ -588,7 +588,7 @@ class CaseTables(Table):
         demand = self.requirement
         has_limit = demand is not None and not (demand.leak_rate is None and demand.standard is None)
         volume = None if demand is None else demand.volume_of_bubble
-        tables, wrong = dict[str, Any](), list[Problem]()
+        tables, faults = dict[str, Any](), list[Problem]()
         for table, key in RATES:
             entries = tables.get(table, getattr(self, table))
             rate = getattr(entries, key, None)
@@ -599,10 +599,10 @@ class CaseTables(Table):
             else:
                 if isinstance(rate, Bubbles):
                     name = "no_bubble" if has_limit else "no_bubble_of_target"
-                    wrong.append(problem(name, key=f"{table}.{key}"))
+                    faults.append(problem(name, key=f"{table}.{key}"))
                 continue
             tables[table] = entries.model_copy(update={key: new_rate})
-        return tables, wrong
+        return tables, faults
 
     @property
     def conducts_heat(self) -> bool:

@@ -94,16 +94,16 @@ def problems_of_bolts(case: CaseTables, table: BoltsTable) -> list[Problem]:
     table : BoltsTable
         The case's own.
     """
-    wrong = list[Problem]()
+    faults = list[Problem]()
     if case.temperature is None and table.temperature is not None:
-        wrong.append(problem("bolts_temperature"))
+        faults.append(problem("bolts_temperature"))
     if case.load.earlier is not None:
-        wrong.append(problem("bolts_earlier", key=case.load.earlier_key))
+        faults.append(problem("bolts_earlier", key=case.load.earlier_key))
     try:
         bolts = bolts_of(case)
     except InputError as error:
-        return wrong + [replace(p, key=f"bolts.{p.key.removeprefix('bolts.')}") for p in error.problems]
+        return faults + [replace(p, key=f"bolts.{p.key.removeprefix('bolts.')}") for p in error.problems]
     least_force = min(force for _, force in case.load.points)
     if bolts is not None and not least_force + bolts.thermal_force > 0:
-        wrong.append(problem("bolts_loose", lost=-bolts.thermal_force, preload=least_force))
-    return wrong
+        faults.append(problem("bolts_loose", lost=-bolts.thermal_force, preload=least_force))
+    return faults

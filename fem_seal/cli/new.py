@@ -238,10 +238,10 @@ def _answer_question(text: str, question: Question, path: str, value: str, fixed
             # the force is asked last and may correct this
             return new_text
         except InputError as error:
-            wrong = [p for p in error.problems if p.key == path or p.key.startswith(f"{path}.")]
-            if not wrong:
+            faults = [p for p in error.problems if p.key == path or p.key.startswith(f"{path}.")]
+            if not faults:
                 return new_text
-            complain(str(wrong[0]), "")
+            complain(str(faults[0]), "")
         else:
             return new_text
 

@@ -173,8 +173,8 @@ class Calculator:
             self._connection.close()
             self._connection = None
             self._process.join()
-            hung = time.monotonic() > self._deadline
-            message = lost_words(None if hung else self._process.exitcode or 0, has_successor=not is_last)
+            has_hung = time.monotonic() > self._deadline
+            message = lost_words(None if has_hung else self._process.exitcode or 0, has_successor=not is_last)
         self._notify(message)
         if is_last:
             raise LostError(message)

@@ -164,16 +164,16 @@ class ClusterWorkers(Workers):
         doubtful = {key for key, state in states.items() if state in (None, "forgotten", "memory", "erred")}
         # at the first look its result may just be on the way to us
         unknown, self._doubtful = doubtful & self._doubtful, doubtful
-        lost = [
+        lost_chunks = [
             future
             for future, task in tasks.items()
             if future.status == "lost"
             or future.key in unknown
             or (states.get(future.key) == "no-worker" and workers and task.worker not in (None, *workers))
         ]
-        for future in lost:
+        for future in lost_chunks:
             future.release()
-        return lost
+        return lost_chunks
 
     def _answer(self, question: Any, **about: Any) -> Any:
         """Answer of the scheduler; None if it gives none."""

@@ -116,9 +116,9 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
         raise _file_error(path, "has no designs; a heading and one row each")
     heading = [_heading(cell, path) for cell in rows[0]]
     paths = [name for name, _ in heading]
-    twice = [name for n, name in enumerate(paths) if name in paths[:n]]
-    if twice:
-        raise _file_error(path, f"has two columns {twice[0]}; remove one")
+    duplicates = [name for n, name in enumerate(paths) if name in paths[:n]]
+    if duplicates:
+        raise _file_error(path, f"has two columns {duplicates[0]}; remove one")
     pair = said_twice(paths)
     if pair:
         raise _file_error(path, f"has columns {pair[0]} and {pair[1]}, two words for one entry; remove one")

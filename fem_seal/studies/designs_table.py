@@ -188,9 +188,9 @@ class Designs:
     @property
     def ineligibility(self) -> str:
         """What is wrong with the designs that do not count, after "designs that"."""
-        wrong = ["violate a constraint"] if len(self.feasible) < len(self.successes) else []
-        wrong += ["are outside the theory"] if self.left_out else []
-        return " or ".join(wrong)
+        reasons = ["violate a constraint"] if len(self.feasible) < len(self.successes) else []
+        reasons += ["are outside the theory"] if self.left_out else []
+        return " or ".join(reasons)
 
     @property
     def kind(self) -> str:

@@ -96,8 +96,8 @@ class DesignDisplay:
         """The same to be drawn: zeros stand below all other numbers of a logarithmic axis."""
         if not self.logarithmic(name):
             return self.values(rows, name)
-        lifted = dict(zip(self.numbers(name).index, self._lifted_values(name).tolist(), strict=True))
-        return [lifted[row] if math.isfinite(lifted[row]) else None for row in rows]
+        by_row = dict(zip(self.numbers(name).index, self._lifted_values(name).tolist(), strict=True))
+        return [by_row[row] if math.isfinite(by_row[row]) else None for row in rows]
 
     def _lifted_values(self, name: str) -> FloatArray:
         return lift_zeros(self.convert(name, self.numbers(name).to_numpy(dtype=float)))
@@ -148,9 +148,10 @@ class DesignDisplay:
             return self.values(rows, name)
         texts = list(map(short_number, self.values(rows, name)))
         if name.startswith("leak_rate"):
-            claimed = zip(texts, self.designs.is_outside.loc[rows], strict=True)
+            pairs = zip(texts, self.designs.is_outside.loc[rows], strict=True)
             return [
-                self.words.zero(True) if text == "0" and not outside else text for text, outside in claimed
+                self.words.zero(True) if text == "0" and not is_outside else text
+                for text, is_outside in pairs
             ]
         return texts
 

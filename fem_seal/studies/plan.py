@@ -177,8 +177,8 @@ _SHARES = ("pass_probability", "batch_share_p05")
 
 def _missing_sources(study: StudyPlan, column: str) -> list[str]:
     """What no design has of what fills a column."""
-    missing = COLUMNS[column].lacking(study.case, study.names)
-    return [source for source in missing if source.startswith("[") or not COLUMNS[column].repeats]
+    sources = COLUMNS[column].lacking(study.case, study.names)
+    return [source for source in sources if source.startswith("[") or not COLUMNS[column].repeats]
 
 
 def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -248,9 +248,9 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     """InputError if a column stays empty in every design."""
-    missing = _missing_sources(study, name) if name in COLUMNS else ()
-    if missing:
-        raise InputError.at(key, f"{name} needs {missing[0]} in the base case")
+    sources = _missing_sources(study, name) if name in COLUMNS else ()
+    if sources:
+        raise InputError.at(key, f"{name} needs {sources[0]} in the base case")
 
 
 def _check_name(key: str, name: str, names: Sequence[str]) -> None:
@@ -267,9 +267,9 @@ _SAMPLE = 300
 def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
     """InputError if an entry is changed and varied."""
     entries = {same_entry(path) for path in changes}
-    twice = [path for path in paths if same_entry(path) in entries]
-    if twice:
-        raise InputError(problem("study_changed_and_varied", key=twice[0]))
+    duplicates = [path for path in paths if same_entry(path) in entries]
+    if duplicates:
+        raise InputError(problem("study_changed_and_varied", key=duplicates[0]))
 
 
 def check_load(case: Case, paths: Collection[str]) -> None:

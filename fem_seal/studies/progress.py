@@ -25,10 +25,10 @@ class Progress:
         self.total, self.done_count, self.failed_count, self.done_before = total, done_before, 0, done_before
         self._start = time.monotonic()
 
-    def advance(self, done: int, failed: int) -> None:
+    def advance(self, done_count: int, failed_count: int) -> None:
         """So many more are done, so many of them failed."""
-        self.done_count += done
-        self.failed_count += failed
+        self.done_count += done_count
+        self.failed_count += failed_count
 
     def note(self, text: str) -> None:
         """Something to know meanwhile."""
@@ -55,9 +55,9 @@ class Lines(Progress):
         if done_before:
             self.note(f"{done_before} of {total} designs are calculated already")
 
-    def advance(self, done: int, failed: int) -> None:
+    def advance(self, done_count: int, failed_count: int) -> None:
         """See `Progress`."""
-        super().advance(done, failed)
+        super().advance(done_count, failed_count)
         if time.monotonic() - self._last_line > _PAUSE:
             self._last_line, self._done_in_line = time.monotonic(), self.done_count
             self.note(self._state())
@@ -105,11 +105,11 @@ class Bar(Progress):
         self._bar.start()
         self._task = self._bar.add_task("designs", total=total, completed=done_before, rate="", failed="")
 
-    def advance(self, done: int, failed: int) -> None:
+    def advance(self, done_count: int, failed_count: int) -> None:
         """See `Progress`."""
-        super().advance(done, failed)
+        super().advance(done_count, failed_count)
         failures = f"{self.failed_count} failed" if self.failed_count else ""
-        self._bar.update(self._task, advance=done, rate=f"{self.rate:.3g}/s", failed=failures)
+        self._bar.update(self._task, advance=done_count, rate=f"{self.rate:.3g}/s", failed=failures)
 
     def note(self, text: str) -> None:
         """See `Progress`."""

@@ -289,9 +289,9 @@ def _ends(entry: Any) -> tuple[Any, Any]:
 
 def _read_parameters(case: Case, ranges: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
     inputs = []
-    twice = said_twice(ranges)
-    if twice:
-        raise InputError(problem("study_varied_twice", key=twice[1], other=twice[0]))
+    duplicates = said_twice(ranges)
+    if duplicates:
+        raise InputError(problem("study_varied_twice", key=duplicates[1], other=duplicates[0]))
     for path, value in ranges.items():
         try:
             entry = entry_at(case, path)

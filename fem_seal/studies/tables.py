@@ -127,9 +127,9 @@ def _levels(entry: Entry, key: str, entries: list[object]) -> tuple[Value, ...]:
     if not 0 < len(entries) <= _MOST_LEVELS:
         raise InputError.at(key, f"has {len(entries)} values; allowed are 1 to {_MOST_LEVELS}")
     values = tuple(_read(entry, key, value) for value in entries)
-    twice = [level for n, level in enumerate(values) if level in values[:n]] if len(values) < 1000 else []
-    if twice:
-        raise InputError.at(key, f"names {show(entries[values.index(twice[0])])} twice; remove one")
+    doubles = [level for n, level in enumerate(values) if level in values[:n]] if len(values) < 1000 else []
+    if doubles:
+        raise InputError.at(key, f"names {show(entries[values.index(doubles[0])])} twice; remove one")
     return values
 
 
@@ -239,8 +239,8 @@ def _check_keys(
     unknown = [name for name in table if name not in keys]
     missing_keys = [name for name in required_keys if name not in table]
     if unknown or missing_keys:
-        wrong = f"has an unknown key {show(unknown[0])}" if unknown else f"lacks {missing_keys[0]}"
-        raise InputError.at(key, f"{wrong}; write {example}")
+        fault = f"has an unknown key {show(unknown[0])}" if unknown else f"lacks {missing_keys[0]}"
+        raise InputError.at(key, f"{fault}; write {example}")
 
 
 MOST_POINTS = 10_000_000

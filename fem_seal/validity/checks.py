@@ -838,9 +838,9 @@ def _fluid_over_contact(load: LoadResult) -> float:
     if len(load.profiles) == 1 or load.leak is None:
         return load.fluid_pressure / load.peak_pressure
     pairs = [
-        (max(flow.inner_pressure, flow.outer_pressure), float(one.pressure.max()))
-        for flow, one in zip(load.leak.lands, load.profiles, strict=True)
-        if one.touches
+        (max(flow.inner_pressure, flow.outer_pressure), float(profile.pressure.max()))
+        for flow, profile in zip(load.leak.lands, load.profiles, strict=True)
+        if profile.touches
     ]
     return max(fluid / contact for fluid, contact in pairs)
 
