@@ -15,6 +15,7 @@ from fem_seal.bodies.elasticity import without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
+from fem_seal.processes import single_threaded
 from fem_seal.profile import PressureProfile, join_lands, tightest_profile
 from fem_seal.wording import Quantity
 
@@ -286,6 +287,7 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
             vars(solution)["displacements"] = motion
 
 
+@single_threaded
 def _move_bodies(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatArray, FloatArray]]]:
     """`ContactSolution.displacements` of contacts on the same model."""
     model = solutions[0].model
