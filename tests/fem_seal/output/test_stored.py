@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import operator
 import os
 import pickle
 import re
@@ -123,6 +125,12 @@ def test_the_full_report_says_what_only_a_full_run_calculates(tmp_path, capsys):
     assert cli.main(["report", str(folder), "--full"]) == cli.DONE
     assert "run CASE.toml --full" in capsys.readouterr().out
     assert 'id="contact"' in (folder / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("module", "name"), sorted(stored._KNOWN))
+def test_what_a_result_may_hold_has_its_present_name(module, name):
+    """A renamed function would be met only by the rare results that hold it."""
+    assert operator.attrgetter(name)(importlib.import_module(module))
 
 
 def test_a_study_is_sent_to_its_own_command(tmp_path, capsys):
