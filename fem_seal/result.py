@@ -131,7 +131,7 @@ class SealResult(SealSolution):
         """The same with every column that there is, also those that stay empty in this case or repeat another one."""
         from fem_seal.output.tables import leak_table
 
-        return leak_table(self, every=True)
+        return leak_table(self, all_columns=True)
 
     def write(self, folder: str | os.PathLike[str], *, full: bool = False, all_columns: bool = False) -> Path:
         """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
@@ -163,7 +163,7 @@ class SealResult(SealSolution):
         from fem_seal.output.folders import folder_lock
 
         with folder_lock(Path(folder)), returned_memory(), shown_in(self.case.display):
-            for failure in write(self, Path(folder), full=full, every=all_columns):
+            for failure in write(self, Path(folder), full=full, all_columns=all_columns):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
 
@@ -275,7 +275,7 @@ class SealResult(SealSolution):
 
         with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(self.case.display):
             write_for_view(self, Path(folder))
-            view(Path(folder), None if png is None else Path(png), load)
+            view(Path(folder), None if png is None else Path(png), load, self.case.display)
 
 
 def run(

@@ -353,6 +353,17 @@ class Display:
         other = _TABLES["fixed_in"].get(self.system, {}).get(name)
         return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
 
+    def fixed_quantity(self, name: str, value: float, digits: int = DIGITS) -> str:
+        """An SI value in a `fixed_unit` with some significant digits, no zeros at its end and never in powers of ten.
+
+        Examples
+        --------
+        >>> Display().fixed_quantity("MPa", 12.7346e9), Display("US").fixed_quantity("MPa", 6.894757e9)
+        ('12730 MPa', '1000 ksi')
+        """
+        unit = self.fixed_unit(name)
+        return f"{round_digits(unit.of(value), digits):.{_MOST_DIGITS}g} {unit.name}".rstrip()
+
     def flow_unit(self, leak_rates: Collection[float]) -> Unit | None:
         """The unit for leak rates that stand together, the largest in which all can be read.
 
@@ -844,33 +855,12 @@ class LeakVolume:
         volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
         return cls(temperature, volume / 3600.0, "a molecule per hour")
 
-    @property
-    def gas(self) -> str:
-        """State of a gas; empty for a liquid."""
-        return Display(_shown.get().system).state_of(self)
-
-    @property
-    def state(self) -> str:
-        """See `Display.state_of`."""
-        return _shown.get().state_of(self)
-
     def measurable(self, leak_rate: float) -> float:
         """A leak rate, or zero where nobody could measure it [m^3/s]."""
         return 0.0 if 0.0 < leak_rate < self.least else leak_rate
 
-    def name_unit(self, unit: Unit) -> Unit:
-        """See `Display.name_unit`."""
-        return _shown.get().name_unit(unit, self)
-
 
 LIQUID = LeakVolume()
-
-
-def leak_rate_text(
-    leak_rate: float, digits: int = 3, *, claimed: bool = True, volume: LeakVolume = LIQUID
-) -> str:
-    """See `Display.leak_rate`."""
-    return _shown.get().leak_rate(leak_rate, digits, claimed=claimed, volume=volume)
 
 
 # Digits of the ends of an interval: it says how little the others would be worth.
@@ -901,16 +891,6 @@ def leak_range_text(
 ) -> str:
     """See `Display.leak_range`."""
     return _shown.get().leak_range(leak_rate, digits, claimed=claimed, beside=beside, volume=volume)
-
-
-def flow_unit(leak_rates: Collection[float]) -> Unit | None:
-    """See `Display.flow_unit`."""
-    return _shown.get().flow_unit(leak_rates)
-
-
-def shared_flow_unit(leak_rates: Collection[float]) -> Unit:
-    """See `Display.shared_flow_unit`."""
-    return _shown.get().shared_flow_unit(leak_rates)
 
 
 def percent(share: float | None, digits: int = 2) -> str:

@@ -96,8 +96,9 @@ def say(display: Display, name: str, macro: str, /, **values: object) -> str:
     name : str
         File in templates/answers/, without its ending.
     macro : str
+        Its name, with other signs for "_" in it.
     **values
-        Its arguments.
+        Its arguments; others are passed over, for macros of one kind that need different ones.
     """
     return _squeezed(_rendered(display, name, macro, values))
 
@@ -110,7 +111,8 @@ def say_all(display: Display, name: str, macro: str, /, **values: object) -> lis
 
 def _rendered(display: Display, name: str, macro: str, values: dict[str, object]) -> str:
     words = environment(display).get_template(f"answers/{name}.j2").module
-    return str(getattr(words, macro)(**values))
+    called = getattr(words, re.sub(r"\W", "_", macro))
+    return str(called(**{key: values[key] for key in called.arguments if key in values}))
 
 
 def _squeezed(text: str) -> str:
@@ -205,37 +207,13 @@ def join_names(names: Sequence[str], most: int = 3) -> str:
     return f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"
 
 
-def template(name: str) -> Template:
-    """A page, in which inserted values are escaped, in the units of the present display.
+def template(display: Display, name: str) -> Template:
+    """A page, in which inserted values are escaped.
 
     Parameters
     ----------
+    display : Display
     name : str
         File in templates/.
     """
-    return environment(current_display(), escaped=True).get_template(name)
-
-
-def phrase(where: str, *parts: str, **values: object) -> str:
-    """Sentences of one table, joined.
-
-    Parameters
-    ----------
-    where : str
-        File in templates/answers/ and what the names of its macros begin with, such as "captions.mesh".
-    *parts : str
-        The sentences, in their order; empty ones are skipped.
-    **values
-        Values of the {names} in them.
-    """
-    kind, name = where.split(".")
-    words = environment(current_display()).get_template(f"answers/{kind}.j2").module
-    macros = [getattr(words, re.sub(r"\W", "_", f"{name}_{part}")) for part in parts if part]
-    return " ".join(
-        macro(**{one: values[one] for one in macro.arguments if one in values}) for macro in macros
-    )
-
-
-def filled(text: str, values: Mapping[str, object]) -> str:
-    """A text of words.toml with its values."""
-    return fill(current_display(), text, **values)
+    return environment(display, escaped=True).get_template(name)

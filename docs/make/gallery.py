@@ -147,14 +147,11 @@ def keep(result: SealResult, example: Path) -> Path:
         The results folder.
     """
     from fem_seal.output.report.brief import first_line
-    from fem_seal.units import shown_in
 
     folder = folder_of(example)
     shutil.rmtree(folder, ignore_errors=True)
     result.write(folder, full=True)
-    with shown_in(result.case.display):
-        first = first_line(result)
-    about = {"headline": first, "warnings": list(result.warnings), "state": state()}
+    about = {"headline": first_line(result), "warnings": list(result.warnings), "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
     return folder
 

@@ -25,7 +25,7 @@ from fem_seal.output.library import material_cells, material_rows, over_temperat
 from fem_seal.output.tables import MEANINGS
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
 from fem_seal.studies.tables import study_schema
-from fem_seal.units import DIMENSIONS, format_digits, split_unit
+from fem_seal.units import DIMENSIONS, Display, format_digits, split_unit
 from leak import FLUIDS, GASES, leakage_limits
 from leak.standards import STANDARDS, ClosureTest
 from leak.surfaces.finish import PROCESSES, SHORTEST_WAVE, SOURCES, Spread
@@ -379,14 +379,14 @@ def _material_table() -> Iterator[str]:
     )
     rows = material_rows()
     for row in rows:
-        _, ((_, *numbers),) = material_cells([row])
+        _, ((_, *numbers),) = material_cells(Display(), [row])
         name = f'`"{row["name"]}"`' + (" (creeps)" if row["creeps"] else "")
         yield "| " + " | ".join([name, *("" if number == "-" else number for number in numbers)]) + " |"
     yield ""
     yield "## Numbers over temperature\n"
     yield "| name | number | at [°C] | value |\n|---|---|---|---|"
     for row in rows:
-        for word, text in over_temperature_lines(row):
+        for word, text in over_temperature_lines(Display(), row):
             at, value = text.split(" degC: ")
             yield f"| {row['name']} | {word.removesuffix(' at')} | {at} | {value} |"
     yield ""

@@ -26,7 +26,7 @@ from fem_seal.seal.findings import (
 )
 from fem_seal.seal.load_result import LoadResult, MissingLoad, highest_load, in_order, strongest_load
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact, names
-from fem_seal.units import DIGITS, digits_within
+from fem_seal.units import DIGITS, Display, digits_within
 from fem_seal.wording import Quantity, Words
 
 if TYPE_CHECKING:
@@ -555,6 +555,11 @@ class SolvedSeal:
     missing_loads: tuple[MissingLoad, ...] = ()
     missing_load_findings: tuple[Finding, ...] = ()
     other_parts: tuple[SolvedSeal, ...] = ()
+
+    @property
+    def display(self) -> Display:
+        """The units of its case."""
+        return self.case.display
 
     @classmethod
     def of(cls, evaluations: Sequence[Evaluation], case: Case, loads: Sequence[CaseLoad]) -> SolvedSeal:

@@ -556,7 +556,7 @@ class MaterialEntry:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         table = handler.resolve_ref_schema(
-            handler(cast(core_schema.WrapValidatorFunctionSchema, schema)["schema"])
+            handler(cast("core_schema.WrapValidatorFunctionSchema", schema)["schema"])
         )
         # a name from the library stands for the others
         keys = table.pop("required", None)

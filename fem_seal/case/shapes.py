@@ -164,7 +164,7 @@ def _model(
             fields[key] = (kind, ...) if parameter.default is parameter.empty else (kind | None, None)
     if not is_seat:
         fields["material"] = (MaterialField, ...)
-    table = cast(type[Body], create_model(name, __base__=base, __module__=__name__, **fields))
+    table = cast("type[Body]", create_model(name, __base__=base, __module__=__name__, **fields))
     table.makes = makes
     return table
 

@@ -23,7 +23,7 @@ from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text, write
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
-from fem_seal.units import current_display, shown_in
+from fem_seal.units import Display, current_display, shown_in
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -170,8 +170,8 @@ def run(
             case, progress=progress, sensitivities=sensitivities, full=full or all_columns
         )
         progress("writing results")
-        failures = files.write(result, folder, every=all_columns, full=full)
-    _show(result, folder, failures, details=details, every=all_columns, quiet=quiet, json=json)
+        failures = files.write(result, folder, all_columns=all_columns, full=full)
+    _show(result, folder, failures, details=details, all_columns=all_columns, quiet=quiet, json=json)
 
 
 def _show(
@@ -180,7 +180,7 @@ def _show(
     failures: Sequence[str],
     *,
     details: bool,
-    every: bool,
+    all_columns: bool,
     quiet: bool,
     json: bool,
 ) -> None:
@@ -189,7 +189,7 @@ def _show(
     from fem_seal.output.tables import leak_rows
 
     if json:
-        rows = leak_rows(result, every=every)
+        rows = leak_rows(result, all_columns=all_columns)
         data = {"folder": str(folder), "loads": rows, "warnings": [*result.warnings, *failures]}
         terminal.say_json(data | ({"understood": given_in_words(result)} if result.of_profile else {}))
     elif not quiet:
@@ -332,8 +332,8 @@ def leak(
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = solve_profiles(case, profiles, progress)
         progress("writing results")
-        failures = files.write(result, folder, every=all_columns)
-    _show(result, folder, failures, details=details, every=all_columns, quiet=quiet, json=json)
+        failures = files.write(result, folder, all_columns=all_columns)
+    _show(result, folder, failures, details=details, all_columns=all_columns, quiet=quiet, json=json)
 
 
 @app.command()
@@ -358,19 +358,25 @@ def direct(
         if seal:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
-            samples.write_direct_seal(strips, folder)
+            samples.write_direct_seal(case.display, strips, folder)
             numbers: dict[str, Any] = {"strips": [samples.seal_numbers(strip) for strip in strips]}
             title, keys = "Simulated seal", 4
-            lines, rows_shown = samples.seal_lines(strips), samples.shown_seal_rows(strips)
+            lines, rows_shown = (
+                samples.seal_lines(case.display, strips),
+                samples.shown_seal_rows(case.display, strips),
+            )
         else:
             viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
             table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
-            samples.write_direct(table, folder, viscosity)
+            samples.write_direct(case.display, table, folder, viscosity)
             rows = samples.direct_rows(table, viscosity)
             numbers = {**samples.direct_numbers(table), "pressures": rows}
             title, keys = "Direct simulation", 2
-            lines, rows_shown = samples.direct_lines(table), samples.shown_rows(rows)
+            lines, rows_shown = (
+                samples.direct_lines(case.display, table),
+                samples.shown_rows(case.display, rows),
+            )
     if json:
         terminal.say_json({"folder": str(folder), **numbers})
     elif not quiet:
@@ -420,7 +426,7 @@ def surface(
     if json:
         terminal.say_json({"folder": str(folder), **surface_numbers(scans)})
     elif not quiet:
-        for name, text in surface_lines(scans):
+        for name, text in surface_lines(Display(), scans):
             terminal.say(f"  {name:24}{text}")
         terminal.say_where(folder)
 

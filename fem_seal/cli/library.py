@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fem_seal.cli import terminal
 from fem_seal.cli.terminal import cell
 from fem_seal.files import own_tables
-from fem_seal.units import Display, System, parse_quantity, show_in
+from fem_seal.units import Display, System, parse_quantity
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,15 +38,14 @@ def materials(
     from fem_seal.case.material_table import material
     from fem_seal.output import library
 
-    show_in(Display(units))
-    kelvin = parse_quantity(temperature, "temperature")
+    display, kelvin = Display(units), parse_quantity(temperature, "temperature")
     rows = library.material_rows(kelvin) if name is None else [library.material_row(material(name), kelvin)]
     if json or csv:
         _print_rows(rows, name is not None, json)
     elif name is not None:
-        _print_lines(library.material_lines(rows[0]))
+        _print_lines(library.material_lines(display, rows[0]))
     else:
-        _print_table(*library.material_cells(rows), "condition", [row["condition"] for row in rows])
+        _print_table(*library.material_cells(display, rows), "condition", [row["condition"] for row in rows])
         hint = own_tables("library.toml")["more_of_materials"]
         terminal.tell(f"Numbers at {temperature}. {library.ONE_CONDITION}", hint)
 
@@ -62,15 +61,14 @@ def fluids(
     """List the fluids of the library: viscosity, density, range of temperature, source."""
     from fem_seal.output import library
 
-    show_in(Display(units))
-    kelvin = parse_quantity(temperature, "temperature")
+    display, kelvin = Display(units), parse_quantity(temperature, "temperature")
     rows = library.fluid_rows(kelvin) if name is None else [library.fluid_row(name, kelvin)]
     if json or csv:
         _print_rows(rows, name is not None, json)
     elif name is not None:
-        _print_lines(library.fluid_lines(rows[0]))
+        _print_lines(library.fluid_lines(display, rows[0]))
     else:
-        _print_table(*library.fluid_cells(rows), "source", [row["source"] for row in rows])
+        _print_table(*library.fluid_cells(display, rows), "source", [row["source"] for row in rows])
         terminal.tell(
             f"Viscosity and density at {temperature}. {own_tables('library.toml')['more_of_fluids']}"
         )

@@ -9,6 +9,7 @@ from fem_seal.cli import terminal
 
 if TYPE_CHECKING:
     from fem_seal.answers.leak_map import LeakMap
+    from fem_seal.units import Display
 
 _FORM = '"1 bar, 5 bar, 20 bar", or from, to and number of values: "1 bar : 20 bar : 10"'
 
@@ -38,8 +39,8 @@ def table(
     if json:
         terminal.say_json({"folder": str(folder), "points": map_rows(leaks)})
     elif not quiet:
-        _show(leaks)
-    terminal.warn(_omission_notes(leaks))
+        _show(case.display, leaks)
+    terminal.warn(_omission_notes(case.display, leaks))
     if not (json or quiet):
         terminal.say(
             f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}"
@@ -80,14 +81,14 @@ def grid(text: str, dimension: str) -> list[float]:
     return [start + (stop - start) * n / (number - 1) for n in range(number)]
 
 
-def _show(leaks: LeakMap) -> None:
+def _show(display: Display, leaks: LeakMap) -> None:
     """Print the leak rates, one line per pressure, marked where they are not valid."""
-    from fem_seal.output.answers.leak import volumes_of_gas
     from fem_seal.seal.findings import Level
-    from fem_seal.units import digits_within, fixed_unit, round_digits
+    from fem_seal.units import digits_within, round_digits
+    from fem_seal.wording import say
 
     # a volume too small to be seen in ml is read in its power of ten
-    fluid, flow, newton = (fixed_unit(name) for name in ("bar", "ml/min", "N"))
+    fluid, flow, newton = (display.fixed_unit(name) for name in ("bar", "ml/min", "N"))
     forces = map(newton.of, leaks.applied_force.tolist())
     headings = [f"p fluid\n{fluid.name}", *(f"{force:.4g} {newton.name}\n{flow.name}" for force in forces)]
     rows = []
@@ -101,13 +102,13 @@ def _show(leaks: LeakMap) -> None:
             digits = min(3, digits_within(validity.leak_error))
             rate = round_digits(flow.of(float(leaks.leak_rate[m, n])), digits)
             rows[m].append(f"{rate:.3g}{Level(validity.level).mark}")
-    terminal.say(f"Leak rate of {leaks.fluid}{volumes_of_gas(leaks.is_gas)}: {leaks.title}")
+    terminal.say(say(display, "leak_map", "title", leaks=leaks))
     terminal.show(terminal.numbers_table(headings, rows, narrow=True))
 
 
-def _omission_notes(leaks: LeakMap) -> list[str]:
+def _omission_notes(display: Display, leaks: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
-    from fem_seal.wording import phrase
+    from fem_seal.wording import say
 
     gaps = sum(validity is None for row in leaks.validity for validity in row)
     if not gaps:
@@ -116,4 +117,4 @@ def _omission_notes(leaks: LeakMap) -> list[str]:
     rows, columns = leaks.fluid_pressure.size, leaks.applied_force.size
     counts = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
     sizes = {"gaps": gaps, "points": rows * columns, "rows": rows, "columns": columns}
-    return [phrase("leak_map.files", "gaps", **sizes, **counts), *leaks.reasons[:1]]
+    return [say(display, "leak_map", "files_gaps", **sizes, **counts), *leaks.reasons[:1]]

@@ -20,7 +20,7 @@ import typer
 import fem_seal
 from fem_seal.errors import printable
 from fem_seal.files import as_json, own_tables
-from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, round_digits, show_in
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, round_digits, show_in
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.output.columns import TerminalColumn
+    from fem_seal.units import Display
 
 
 def option(command: str, name: str, **words: str) -> Any:
@@ -241,8 +242,8 @@ def show_result(result: SealSolution, *, details: bool) -> None:
         Everything: the whole table and the sentences of all answers.
     """
     from fem_seal.answers.leakage_class import volume_of
+    from fem_seal.output.answer_outputs import pages_of
     from fem_seal.output.report.brief import lines_in_brief
-    from fem_seal.output.shown_answers import pages_of
     from fem_seal.output.tables import leak_rows
 
     case = result.case
@@ -250,7 +251,7 @@ def show_result(result: SealSolution, *, details: bool) -> None:
     if not details:
         show_loads(case, result.every_load)
         return
-    show_leak_table(leak_rows(result), case.title, result.every_load, volume_of(case))
+    show_leak_table(result.case.display, leak_rows(result), case.title, result.every_load, volume_of(case))
     show_leakage(case, result.loads)
     show_answers(result)
 
@@ -291,8 +292,8 @@ def show_loads(case: Case, loads: Sequence[AnyLoad]) -> None:
     )
     notes = marks_of([load for load in loads if not isinstance(load, MissingLoad)])
     notes += [f"{count} more loads in leak.csv"] if count else []
-    notes += [limits] if (limits := allowed_in_words(loads)) else []
-    state = volume_of(case).state
+    notes += [limits] if (limits := allowed_in_words(case.display, loads)) else []
+    state = case.display.state_of(volume_of(case))
     if state:
         assert case.fluid is not None
         share = ROOM_TEMPERATURE / case.fluid.temperature
@@ -313,12 +314,17 @@ def say_where(folder: Path) -> None:
 
 
 def show_leak_table(
-    rows: Sequence[Mapping[str, Any]], title: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID
+    display: Display,
+    rows: Sequence[Mapping[str, Any]],
+    title: str,
+    loads: Sequence[AnyLoad],
+    volume: LeakVolume = LIQUID,
 ) -> None:
     """Print rows of leak.csv as a table without empty columns, and a legend of its marks.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of mapping
     title : str
     loads : sequence of CaseLoad
@@ -341,15 +347,15 @@ def show_leak_table(
     ]
     table = [
         (
-            f"{column.heading}\n{column.unit.name}",
+            f"{column.heading}\n{column.unit_in(display).name}",
             [
-                _leak_cell(row.get(column.name), column, load, volume)
+                _leak_cell(display, row.get(column.name), column, load, volume)
                 for row, load in zip(rows, loads, strict=True)
             ],
         )
         for column in columns
     ]
-    flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
+    flows = [column.unit_in(display).name for column in columns if COLUMNS[column.name].kind == "flow"]
     has_bounds = any("<" in texts for _, texts in table)
     marks = {str(level): level.mark for level in Level}
     levels = [row["validity"] for row in rows]
@@ -367,11 +373,13 @@ def show_leak_table(
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
             tell(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
-    for text in volume_notes(volume, flows, unmeasured=has_bounds):
+    for text in volume_notes(display, volume, flows, unmeasured=has_bounds):
         tell(f"  {text}")
 
 
-def _leak_cell(value: float | None, style: TerminalColumn, load: AnyLoad, volume: LeakVolume) -> str:
+def _leak_cell(
+    display: Display, value: float | None, style: TerminalColumn, load: AnyLoad, volume: LeakVolume
+) -> str:
     """A cell of a load: "<" for an unmeasurable leak rate, ">1e6" for a margin above a million."""
     from fem_seal.output.columns import COLUMNS
 
@@ -383,7 +391,7 @@ def _leak_cell(value: float | None, style: TerminalColumn, load: AnyLoad, volume
             return "<"
     if value is not None and style.name == "margin" and value > 1e6:
         return "sealed" if math.isinf(value) else ">1e6"
-    return _cell(value, style.unit, column.digits(load))
+    return _cell(value, style.unit_in(display), column.digits(load))
 
 
 def show_leakage(case: Case, loads: Sequence[CaseLoad]) -> None:
@@ -407,7 +415,7 @@ def show_answers(result: SealSolution) -> None:
     ----------
     result : SealSolution
     """
-    from fem_seal.output.shown_answers import pages_of
+    from fem_seal.output.answer_outputs import pages_of
 
     tell(*(line for page in pages_of(result) for line in page.details))
 
@@ -472,8 +480,8 @@ def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
     return f"{number:#.{digits}g}".removesuffix(".")
 
 
-def _dimension(key: str, value: float) -> str:
-    unit = fixed_unit("deg" if key.endswith("angle") else "mm")
+def _dimension(display: Display, key: str, value: float) -> str:
+    unit = display.fixed_unit("deg" if key.endswith("angle") else "mm")
     return f"{unit.of(value):.4g} {unit.name}"
 
 
@@ -489,17 +497,19 @@ def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = Fals
     from fem_seal.output.case_words import section_text
     from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
-    lower = numbers.get("lower_flange")
+    display, lower = case.display, numbers.get("lower_flange")
     for part in case.every_body:
         name, body = part.label, part.case.key_of(part.name)
         its = numbers if part.case is case or lower is None else lower
         parts = [its["materials"][body]] if lower else []
-        parts += [f"{key} {_dimension(key, value)}" for key, value in its["dimensions"][body].items()]
+        parts += [
+            f"{key} {_dimension(case.display, key, value)}" for key, value in its["dimensions"][body].items()
+        ]
         if body in its["sections"]:
-            parts += section_text(its["sections"][body]).values()
+            parts += section_text(case.display, its["sections"][body]).values()
         tell(f"  {name:{14 if lower else 10}}" + ", ".join(parts), indent=16 if lower else 12)
     for name, (words, unit) in CHECK_OF_CASE.items():
-        usual = fixed_unit(unit)
+        usual = display.fixed_unit(unit)
         texts = [
             f"{_cell(value, usual)} {usual.name}".rstrip()
             for value in (numbers[name], (lower or {}).get(name))
@@ -515,6 +525,6 @@ def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = Fals
     hertz = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
         "Closed-form pressure profiles" if hertz else "Loads (no closed-form profiles: the faces conform)",
-        [f"{column.heading}\n{column.unit.name}" for column in columns],
-        [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
+        [f"{column.heading}\n{column.unit_in(display).name}" for column in columns],
+        [[_cell(row[column.name], column.unit_in(display)) for column in columns] for row in rows],
     )

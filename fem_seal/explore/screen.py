@@ -16,11 +16,11 @@ import numpy as np
 from fem_seal import units
 from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
+from fem_seal.output.answer_output import Tile
 from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.verdict import next_class_of, tiles, verdict_sentences, worst_verdict
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
-from fem_seal.output.shown import Tile
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 from fem_seal.wording import environment
@@ -299,12 +299,21 @@ def shown_load(load: CaseLoad, case: Case) -> ShownLoad:
         load.applied_force,
         str(load.validity.level),
         load.validity.reasons_in(case.display),
-        tuple(str(name) for name in leakage_classes(case, load)),
+        _class_names(case, load),
         {name: COLUMNS[name].digits(load) for name in FIELDS},
         dict.fromkeys(
             ("peak_pressure_Pa", "fwhm_m"), hardest_land(load, case.display) if len(load.profiles) > 1 else ""
         ),
     )
+
+
+def _class_names(case: Case, load: CaseLoad) -> tuple[str, ...]:
+    """Classes that a load meets, that of the required standard first."""
+    required = case.requirement and case.requirement.standard_and_class
+    classes = leakage_classes(case, load)
+    if required:
+        classes = tuple(sorted(classes, key=lambda named: named.standard != required[0]))
+    return tuple(map(str, classes))
 
 
 def without_interval(load: ShownLoad) -> ShownLoad:
@@ -403,6 +412,8 @@ class Number:
         A remark below it.
     si : float or None
         The number itself in SI.
+    title : str
+        What a pointer on it shows.
     """
 
     name: str
@@ -410,6 +421,7 @@ class Number:
     value: str
     remark: str = ""
     si: float | None = None
+    title: str = ""
 
 
 @dataclass(frozen=True)
@@ -482,10 +494,9 @@ def numbers_of(screen: Screen) -> list[Number]:
         numbers.append(Number(name, words.names[name], value, remark, values[column]))
     if load.classes:
         # a class is met by a whole interval or not at all
-        best, remark = (
-            ("–", words.class_follows()) if preliminary else (load.classes[0], ", ".join(load.classes[1:]))
-        )
-        numbers.append(Number("classes", words.names["classes"], best, remark))
+        first, *others = load.classes
+        text = {"value": "–", "remark": words.class_follows()} if preliminary else {"value": first}
+        numbers.append(Number("classes", words.names["classes"], **text, title=", ".join(others)))
     for tile in screen.tiles:
         numbers.append(Number(re.sub(r"\W+", "-", tile.name.lower()), tile.name, tile.value, tile.remark))
     return numbers

@@ -20,9 +20,9 @@ from fem_seal.output.answers.verdict import verdict_numbers, verdict_sentences
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels, style
 from fem_seal.output.tables import write_rows_csv
-from fem_seal.units import format_quantity, leak_range_text, number, percent, quantity, unit_for
+from fem_seal.units import Display, number, percent
 from fem_seal.version import __version__
-from fem_seal.wording import phrase, template
+from fem_seal.wording import say, template
 
 POSTERIOR, CASE = "posterior.csv", "calibrated.toml"
 PREDICTION_COLUMNS = (
@@ -48,336 +48,363 @@ _CLEAR, _PREFERRED = 0.1, 3.0
 _MOST_ODDS = 1000
 
 
-def write_calibration(found: Calibration, folder: Path) -> None:
+def write_calibration(calibration: Calibration, folder: Path) -> None:
     """Write all files of a calibration.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
     folder : Path
     """
     # a conflict teaches nothing
-    taught, nothing = found.conflict is None, (math.nan,) * 3
+    taught, nothing = calibration.conflict is None, (math.nan,) * 3
     predictions = [
-        (*astuple(one)[:2], *one.prior, *(one.posterior if taught else nothing)) for one in found.predictions
+        (*astuple(prediction)[:2], *prediction.prior, *(prediction.posterior if taught else nothing))
+        for prediction in calibration.predictions
     ]
     write_rows_csv(folder / "predictions.csv", PREDICTION_COLUMNS, predictions)
     inputs = [
         (
-            one.name,
-            *one.prior,
-            *((*one.posterior, one.narrowing) if taught else (*nothing, math.nan)),
-            one.unit,
+            learned_input.name,
+            *learned_input.prior,
+            *((*learned_input.posterior, learned_input.narrowing) if taught else (*nothing, math.nan)),
+            learned_input.unit,
         )
-        for one in found.inputs
+        for learned_input in calibration.inputs
     ]
     write_rows_csv(folder / "inputs.csv", INPUT_COLUMNS, inputs)
-    tests = [(*astuple(one), one.narrowing) for one in found.next_tests if taught]
+    tests = [(*astuple(test), test.narrowing) for test in calibration.next_tests if taught]
     write_rows_csv(folder / "next_tests.csv", TEST_COLUMNS, tests)
-    if found.is_usable:
-        _write_case(found, folder)
-    write_text(folder / "summary.json", as_json(summary(found)))
-    write_text(folder / "report.html", report(found))
+    if calibration.is_usable:
+        _write_case(calibration, folder)
+    write_text(folder / "summary.json", as_json(summary(calibration)))
+    write_text(folder / "report.html", report(calibration))
 
 
-def _write_case(found: Calibration, folder: Path) -> None:
-    path = found.posterior.write(folder / POSTERIOR)
-    changed = found.case.replace({"uncertainty.posterior": str(path.absolute())})
+def _write_case(calibration: Calibration, folder: Path) -> None:
+    display = calibration.case.display
+    path = calibration.posterior.write(folder / POSTERIOR)
+    changed = calibration.case.replace({"uncertainty.posterior": str(path.absolute())})
     write_text(
-        folder / CASE, case_text(changed.written, folder.absolute(), phrase("calibration.files", "case"))
+        folder / CASE,
+        case_text(changed.written, folder.absolute(), say(display, "calibration", "files_case")),
     )
 
 
-def summary(found: Calibration) -> dict[str, Any]:
+def summary(calibration: Calibration) -> dict[str, Any]:
     """What summary.json holds of a calibration.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
     """
-    taught = found.conflict is None
+    taught = calibration.conflict is None
     return {
-        "title": found.case.title,
-        "readings": len(found.readings),
-        "p_value": found.p_value,
+        "title": calibration.case.title,
+        "readings": len(calibration.readings),
+        "p_value": calibration.p_value,
         "conflict": None
-        if found.conflict is None
+        if calibration.conflict is None
         else {
-            "factor": found.conflict.factor,
-            "culprit": found.conflict.likeliest.name,
-            "explanations": dict(found.conflict.probabilities),
+            "factor": calibration.conflict.factor,
+            "culprit": calibration.conflict.likeliest.name,
+            "explanations": dict(calibration.conflict.probabilities),
         },
-        "alternatives": dict(found.alternatives) if taught else {},
-        "effective_draws": found.effective_draws,
-        "learned": {one.name: one.narrowing for one in found.inputs} if taught else {},
+        "alternatives": dict(calibration.alternatives) if taught else {},
+        "effective_draws": calibration.effective_draws,
+        "learned": {entry.name: entry.narrowing for entry in calibration.inputs} if taught else {},
         "spread_of_ln_Q": {
-            "prior": _spread(found, "prior"),
-            "posterior": _spread(found, "posterior") if taught else None,
+            "prior": _spread(calibration, "prior"),
+            "posterior": _spread(calibration, "posterior") if taught else None,
         },
-        "requirement": None if found.solution is None else verdict_numbers(found.solution),
-        "next_test": found.next_tests[0].name if found.next_tests and taught else None,
+        "requirement": None if calibration.solution is None else verdict_numbers(calibration.solution),
+        "next_test": calibration.next_tests[0].name if calibration.next_tests and taught else None,
     }
 
 
-def _spread(found: Calibration, which: str) -> float | None:
+def _spread(calibration: Calibration, which: str) -> float | None:
     """Standard deviation of ln Q at the last load: a 3.29th of what lies between 5 and 95 %."""
-    low, _, high = getattr(found.predictions[-1], which)
+    low, _, high = getattr(calibration.predictions[-1], which)
     return math.log(high / low) / 3.29 if low > 0.0 else None
 
 
-def lines(found: Calibration) -> Iterator[str]:
+def lines(calibration: Calibration) -> Iterator[str]:
     """What a calibration says, in sentences.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
     """
-    if found.conflict is not None:
-        yield _conflict(found, found.conflict)
+    display = calibration.case.display
+    if calibration.conflict is not None:
+        yield _conflict(calibration, calibration.conflict)
         return
-    last = found.predictions[-1]
-    yield phrase(
-        "calibration.sentences",
-        "prediction",
-        load=format_quantity("fluid pressure", last.fluid_pressure),
-        middle=_median(found, last),
-        now=_range(found, last.posterior),
-        before=_range(found, last.prior),
+    last = calibration.predictions[-1]
+    yield say(
+        display,
+        "calibration",
+        "sentences_prediction",
+        load=display.quantity(last.fluid_pressure, "given fluid pressure"),
+        middle=_median(calibration, last),
+        now=_range(calibration, last.posterior),
+        before=_range(calibration, last.prior),
     )
-    if found.solution is not None:
-        yield from verdict_sentences(found.solution)
+    if calibration.solution is not None:
+        yield from verdict_sentences(calibration.solution)
     if last.prior[0] > 0.0 and last.posterior[0] > 0.0:
         before, after = (three[2] / three[0] for three in (last.prior, last.posterior))
         which, ratio = "narrower" if after < before else "wider", last.posterior[1] / last.prior[1]
-        yield phrase("calibration.sentences", which, ratio=ratio, before=before, after=after)
-    told, silent = ([one for one in found.inputs if (one.narrowing >= _CLEAR) is it] for it in (True, False))
-    if told:
+        yield say(display, "calibration", f"sentences_{which}", ratio=ratio, before=before, after=after)
+    learned, silent = (
+        [entry for entry in calibration.inputs if (entry.narrowing >= _CLEAR) is it] for it in (True, False)
+    )
+    if learned:
         spoken = (
-            phrase(
-                "calibration.sentences",
-                "factor" if unit == "factor" else "input",
-                name=input_name(one.name),
+            say(
+                display,
+                "calibration",
+                f"sentences_{'factor' if unit == 'factor' else 'input'}",
+                name=input_name(learned_input.name),
                 low=texts[3],
                 high=texts[5],
                 unit=f" {unit}".replace(" -", ""),
-                learned=one.narrowing,
+                learned=learned_input.narrowing,
             )
-            for one in told
-            for unit, texts in [_texts(one)]
+            for learned_input in learned
+            for unit, texts in [_texts(display, learned_input)]
         )
-        yield phrase("calibration.sentences", "learned", inputs=", ".join(spoken))
+        yield say(display, "calibration", "sentences_learned", inputs=", ".join(spoken))
     if silent:
-        yield phrase(
-            "calibration.sentences", "silent", inputs=", ".join(input_name(one.name) for one in silent)
+        yield say(
+            display,
+            "calibration",
+            "sentences_silent",
+            inputs=", ".join(input_name(learned_input.name) for learned_input in silent),
         )
-    given, *others = found.alternatives.items()
+    given, *others = calibration.alternatives.items()
     for other in others:
-        own = ("as given", given[1]) if other[0] == "first loading" else given
-        (best, share), (second, less) = sorted((own, other), key=lambda one: -one[1])
+        given_state = ("as given", given[1]) if other[0] == "first loading" else given
+        (best, share), (second, less) = sorted(
+            (given_state, other), key=lambda name_and_odds: -name_and_odds[1]
+        )
         ratio = share / less if less > 0.0 else math.inf
         which = "prefers_clearly" if ratio > 100.0 else "prefers" if ratio > _PREFERRED else "no_preference"
-        names = {"best": _alternative(best), "second": _alternative(second)}
-        yield phrase("calibration.sentences", which, ratio=ratio, **names)
-    if found.next_tests:
-        first = found.next_tests[0]
+        names = {"best": _alternative(display, best), "second": _alternative(display, second)}
+        yield say(display, "calibration", f"sentences_{which}", ratio=ratio, **names)
+    if calibration.next_tests:
+        first = calibration.next_tests[0]
         narrowing = max(first.narrowing, 0.0)
-        yield phrase("calibration.sentences", "next", test=test_in_words(first), narrowing=narrowing)
-    if not found.is_usable:
-        yield phrase("calibration.sentences", "thin", draws=found.effective_draws)
+        yield say(
+            display, "calibration", "sentences_next", test=test_in_words(display, first), narrowing=narrowing
+        )
+    if not calibration.is_usable:
+        yield say(display, "calibration", "sentences_thin", draws=calibration.effective_draws)
 
 
-def _conflict(found: Calibration, conflict: Conflict) -> str:
+def _conflict(calibration: Calibration, conflict: Conflict) -> str:
     """That the readings contradict the inputs, and the likeliest explanation with its odds."""
+    display = calibration.case.display
     way, best = "more" if conflict.factor > 1 else "less", conflict.likeliest
-    lines = [str(one.line) for one in found.readings]
-    names = [phrase("calibration.explanations", one.name) for one in conflict.explanations]
+    lines = [str(reading.line) for reading in calibration.readings]
+    names = [say(display, "calibration", f"explanations_{cause.name}") for cause in conflict.explanations]
     first, *others = conflict.probabilities.values()
     likeliest = ""
     if others:
         odds = number(first / others[0], 2) if first < _MOST_ODDS * others[0] else f"more than {_MOST_ODDS}"
         values = {"count": len(names), "first": names[0], "second": names[1], "odds": odds}
-        likeliest = phrase("calibration.sentences", "likeliest", **values)
-    either = best.name in ("factor", "slope")
-    culprit = phrase(
-        "calibration.culprit",
-        f"{best.name}_{'more' if best.size > 1.0 else 'less'}" if either else best.name,
+        likeliest = say(display, "calibration", "sentences_likeliest", **values)
+    direction = f"_{'more' if best.size > 1.0 else 'less'}" if best.name in ("factor", "slope") else ""
+    culprit = say(
+        display,
+        "calibration",
+        f"culprit_{best.name}{direction}",
         size=best.size,
-        rate=leak_range_text(best.size, 2, volume=volume_of(found.case)) if best.name == "path" else "",
+        rate=display.leak_range(best.size, 2, volume=volume_of(calibration.case))
+        if best.name == "path"
+        else "",
         lines=", ".join(lines[n] for n in best.readings),
         line=lines[conflict.farthest],
     )
     factor = number(max(conflict.factor, 1.0 / conflict.factor), 2)
-    values = {"p": found.p_value, "line": lines[conflict.farthest], "factor": factor, "way": way}
-    return phrase("calibration.sentences", "conflict", likeliest=likeliest, culprit=culprit, **values)
+    values = {"p": calibration.p_value, "line": lines[conflict.farthest], "factor": factor, "way": way}
+    return say(display, "calibration", "sentences_conflict", likeliest=likeliest, culprit=culprit, **values)
 
 
-def _range(found: Calibration, rates: Percentiles) -> str:
-    return leak_range_text((rates[0], rates[2]), volume=volume_of(found.case))
+def _range(calibration: Calibration, rates: Percentiles) -> str:
+    return calibration.case.display.leak_range((rates[0], rates[2]), volume=volume_of(calibration.case))
 
 
-def _median(found: Calibration, one: Prediction) -> str:
-    _, middle, _ = one.posterior
-    return leak_range_text(middle, 2, beside=one.posterior, volume=volume_of(found.case))
+def _median(calibration: Calibration, prediction: Prediction) -> str:
+    display = calibration.case.display
+    _, middle, _ = prediction.posterior
+    return display.leak_range(middle, 2, beside=prediction.posterior, volume=volume_of(calibration.case))
 
 
-def files_line(found: Calibration, folder: Path) -> str:
+def files_line(calibration: Calibration, folder: Path) -> str:
     """Where the files are.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
     folder : Path
     """
-    what = "files" if found.is_usable else "no_case"
-    return phrase("calibration.sentences", what, folder=folder, case=folder / CASE)
+    display = calibration.case.display
+    what = "files" if calibration.is_usable else "no_case"
+    return say(display, "calibration", f"sentences_{what}", folder=folder, case=folder / CASE)
 
 
-def _alternative(name: str) -> str:
-    return phrase("calibration.alternatives", name.replace(" ", "_"))
+def _alternative(display: Display, name: str) -> str:
+    return say(display, "calibration", f"alternatives_{name.replace(' ', '_')}")
 
 
-def test_in_words(test: NextTest) -> str:
+def test_in_words(display: Display, test: NextTest) -> str:
     """A next test: "a leak test with nitrogen at 20 bar".
 
     Parameters
     ----------
+    display : Display
     test : NextTest
     """
-    return phrase(
-        "calibration.tests",
-        test.name,
+    return say(
+        display,
+        "calibration",
+        f"tests_{test.name}",
         fluid=test.fluid,
-        pressure=format_quantity("fluid pressure", test.fluid_pressure),
-        force=format_quantity("force", test.applied_force),
-        earlier=format_quantity("force", test.largest_earlier_force),
+        pressure=display.quantity(test.fluid_pressure, "given fluid pressure"),
+        force=display.quantity(test.applied_force, "given force"),
+        earlier=display.quantity(test.largest_earlier_force, "given force"),
     )
 
 
-def prediction_rows(found: Calibration) -> list[list[str]]:
+def prediction_rows(calibration: Calibration) -> list[list[str]]:
     """Cells of the table of predictions: pressure, force, before and after.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
     """
     return [
         [
-            format_quantity("fluid pressure", one.fluid_pressure),
-            format_quantity("force", one.applied_force),
-            _range(found, one.prior),
-            _range(found, one.posterior) if found.conflict is None else "–",
-            _median(found, one) if found.conflict is None else "–",
+            calibration.case.display.quantity(prediction.fluid_pressure, "given fluid pressure"),
+            calibration.case.display.quantity(prediction.applied_force, "given force"),
+            _range(calibration, prediction.prior),
+            _range(calibration, prediction.posterior) if calibration.conflict is None else "–",
+            _median(calibration, prediction) if calibration.conflict is None else "–",
         ]
-        for one in found.predictions
+        for prediction in calibration.predictions
     ]
 
 
 PREDICTION_HEADINGS = ("fluid pressure", "force", "expected before", "after the test", "median after")
 
 
-def report(found: Calibration) -> str:
+def report(calibration: Calibration) -> str:
     """The calibration as one HTML page.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
     """
+    display = calibration.case.display
     with style():
-        picture = calibration_picture(found)
+        picture = calibration_picture(calibration)
     readings = [
         [
-            str(one.line),
-            one.case.fluid.name if one.case.fluid is not None else "",
-            format_quantity("fluid pressure", one.fluid_pressure),
-            format_quantity("force", one.applied_force),
-            ("< " if one.is_below else "") + quantity("flow", one.leak_rate, 3),
-            percent(one.uncertainty),
-            _range(found, expected),
+            str(reading.line),
+            reading.case.fluid.name if reading.case.fluid is not None else "",
+            display.quantity(reading.fluid_pressure, "given fluid pressure"),
+            display.quantity(reading.applied_force, "given force"),
+            ("< " if reading.is_below else "") + display.quantity(reading.leak_rate, "flow 3"),
+            percent(reading.uncertainty),
+            _range(calibration, expected),
         ]
-        for one, expected in zip(found.readings, found.prior_rates, strict=True)
+        for reading, expected in zip(calibration.readings, calibration.prior_rates, strict=True)
     ]
     tests = [
         [
-            test_in_words(one),
-            *(number(x, 3) for x in (one.width, one.expected_width)),
-            percent(max(one.narrowing, 0.0)),
+            test_in_words(display, test),
+            *(number(x, 3) for x in (test.width, test.expected_width)),
+            percent(max(test.narrowing, 0.0)),
         ]
-        for one in found.next_tests
-        if found.conflict is None
+        for test in calibration.next_tests
+        if calibration.conflict is None
     ]
-    return template("calibration.html.j2").render(
-        title=found.case.title or "fem-seal",
+    return template(display, "calibration.html.j2").render(
+        title=calibration.case.title or "fem-seal",
         version=__version__,
-        lines=list(lines(found)),
+        lines=list(lines(calibration)),
         picture=picture,
-        predictions=prediction_rows(found),
+        predictions=prediction_rows(calibration),
         prediction_headings=PREDICTION_HEADINGS,
         readings=readings,
-        inputs=list(map(_input_row, found.inputs)),
+        inputs=[_input_row(display, learned_input) for learned_input in calibration.inputs],
         tests=tests,
-        farther=percent(found.p_value),
-        conflict=found.conflict is not None,
+        farther=percent(calibration.p_value),
+        conflict=calibration.conflict is not None,
     )
 
 
-def _texts(one: LearnedInput) -> tuple[str, list[str]]:
+def _texts(display: Display, learned_input: LearnedInput) -> tuple[str, list[str]]:
     """Unit of an input, and its values before and after the test; of a wavenumber its wavelength."""
-    values: list[tuple[float, ...]] = [one.prior, one.posterior]
-    unit = one.unit
+    values: list[tuple[float, ...]] = [learned_input.prior, learned_input.posterior]
+    unit = learned_input.unit
     if unit == "1/m":
         # the short waves have the large wavenumbers
         values, unit = [tuple(2.0 * math.pi / x for x in reversed(three)) for three in values], "m"
     if unit == "m":
-        shown = unit_for("length", values[0][1])
-        values, unit = [tuple(shown.of(x) for x in three) for three in values], shown.name
+        length = display.unit_for("length", values[0][1])
+        values, unit = [tuple(length.of(x) for x in three) for three in values], length.name
     return unit, [number(x, 3) for three in values for x in three]
 
 
-def _input_row(one: LearnedInput) -> list[str]:
-    unit, texts = _texts(one)
-    return [f"{input_name(one.name)} [{unit}]", *texts, percent(max(one.narrowing, 0.0))]
+def _input_row(display: Display, learned_input: LearnedInput) -> list[str]:
+    unit, texts = _texts(display, learned_input)
+    return [f"{input_name(learned_input.name)} [{unit}]", *texts, percent(max(learned_input.narrowing, 0.0))]
 
 
-def calibration_picture(found: Calibration) -> Picture:
+def calibration_picture(calibration: Calibration) -> Picture:
     """Leak rates over the fluid pressure: bands of what is expected before and after the test, and the readings.
 
     Loads and readings with the same fluid, force and memory share a band; one that is alone has a bar.
     """
+    display = calibration.case.display
     figure, (axes,) = panels(1, height=3.8)
-    rates = [one.leak_rate for one in found.readings] + [one.prior[1] for one in found.predictions]
-    unit, pressure = (
-        unit_for("flow", float(np.median(rates))),
-        unit_for("fluid pressure", max(p.fluid_pressure for p in found.predictions)),
-    )
-    groups: dict[Any, dict[float, Any]] = {}
-    loads = [(found.case, one.applied_force, one) for one in found.predictions]
-    readings = [
-        (one.case, one.applied_force, Prediction(*one.case.load.points[0], before, after))
-        for one, before, after in zip(found.readings, found.prior_rates, found.posterior_rates, strict=True)
+    rates = [reading.leak_rate for reading in calibration.readings] + [
+        reading.prior[1] for reading in calibration.predictions
     ]
-    for case, force, one in (*loads, *readings):
+    unit = display.unit_for("flow", float(np.median(rates)))
+    pressure = display.unit_for("fluid pressure", max(p.fluid_pressure for p in calibration.predictions))
+    groups: dict[Any, dict[float, Any]] = {}
+    loads = [(calibration.case, load.applied_force, load) for load in calibration.predictions]
+    readings = [
+        (reading.case, reading.applied_force, Prediction(*reading.case.load.points[0], before, after))
+        for reading, before, after in zip(
+            calibration.readings, calibration.prior_rates, calibration.posterior_rates, strict=True
+        )
+    ]
+    for case, force, expected in (*loads, *readings):
         assert case.fluid is not None
-        key = case.fluid.name, format_quantity("force", force), case.load.earlier
-        groups.setdefault(key, {})[one.fluid_pressure / pressure.size] = one
-    known = (("prior", GREY, "before the test"), ("posterior", BLUE, "after it"))
-    for which, colour, name in known if found.conflict is None else known[:1]:
+        key = case.fluid.name, display.quantity(force, "given force"), case.load.earlier
+        groups.setdefault(key, {})[expected.fluid_pressure / pressure.size] = expected
+    bands = (("prior", GREY, "before the test"), ("posterior", BLUE, "after it"))
+    for which, colour, name in bands if calibration.conflict is None else bands[:1]:
         for (fluid, force, _), group in groups.items():
             p = np.array(sorted(group))
             low, middle, high = (np.array([getattr(group[x], which) for x in p]) / unit.size).T
-            told = f"{name}, {fluid}, {force}" if len(groups) > 1 else name
+            label_text = f"{name}, {fluid}, {force}" if len(groups) > 1 else name
             if len(p) > 1:
-                axes.fill_between(p, low, high, color=colour, alpha=0.25, linewidth=0, label=told)
+                axes.fill_between(p, low, high, color=colour, alpha=0.25, linewidth=0, label=label_text)
                 axes.plot(p, middle, color=colour)
             else:
                 bars = np.array([middle - low, high - middle])
-                axes.errorbar(p, middle, bars, fmt="o", color=colour, capsize=4, ms=4, label=told)
+                axes.errorbar(p, middle, bars, fmt="o", color=colour, capsize=4, ms=4, label=label_text)
     for below, marker, name in ((False, "D", "measured"), (True, "_", "measured: less than this")):
-        some = [one for one in found.readings if one.is_below is below]
+        some = [reading for reading in calibration.readings if reading.is_below is below]
         if some:
-            x = [one.fluid_pressure / pressure.size for one in some]
-            y = np.array([one.leak_rate for one in some]) / unit.size
-            bars = 0.35 * y if below else y * np.array([one.uncertainty for one in some])
+            x = [reading.fluid_pressure / pressure.size for reading in some]
+            y = np.array([reading.leak_rate for reading in some]) / unit.size
+            bars = 0.35 * y if below else y * np.array([reading.uncertainty for reading in some])
             axes.errorbar(x, y, bars, fmt=marker, color=ORANGE, capsize=3, ms=5, uplims=below, label=name)
     names = f"fluid pressure  [{pressure.name}]", f"leak rate  [{unit.name}]"
     label(axes, "Leak rate", *names, log="y", legend="best")
-    return captioned(figure, "calibration", "all")
+    return captioned(display, figure, "calibration", "all")

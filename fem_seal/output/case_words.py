@@ -12,16 +12,8 @@ from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
 from fem_seal.files import own_tables
-from fem_seal.units import (
-    attributes,
-    format_quantity,
-    format_value,
-    number,
-    quantity,
-    trim_zeros,
-    unit_for,
-)
-from fem_seal.wording import filled
+from fem_seal.units import attributes, number, trim_zeros
+from fem_seal.wording import fill
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -30,6 +22,7 @@ if TYPE_CHECKING:
     from fem_seal.case.tables import Load
     from fem_seal.contact.conduction import TemperatureField
     from fem_seal.seal.problem import SealProblem
+    from fem_seal.units import Display
     from leak.surfaces.finish import Spread
 
 
@@ -118,18 +111,18 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
     }
 
 
-def former_load_rows(load: Load) -> list[tuple[str, str]]:
+def former_load_rows(display: Display, load: Load) -> list[tuple[str, str]]:
     """What the report says of a load before those of the case."""
-    earlier = earlier_load(load)
+    earlier = earlier_load(display, load)
     return [("largest earlier load", earlier)] if earlier else []
 
 
-def earlier_load(load: Load) -> str:
+def earlier_load(display: Display, load: Load) -> str:
     """The largest earlier load in words: "a load of 2 kN", or empty where none is given."""
     if load.largest_earlier_force is not None:
-        return f"a load of {format_quantity('force', load.largest_earlier_force)}"
+        return f"a load of {display.quantity(load.largest_earlier_force, 'given force')}"
     if load.largest_earlier_pressure is not None:
-        return f"a load of {format_quantity('fluid pressure', load.largest_earlier_pressure)}"
+        return f"a load of {display.quantity(load.largest_earlier_pressure, 'given fluid pressure')}"
     return ""
 
 
@@ -164,7 +157,7 @@ def section(case: Case, name: str) -> dict[str, Any]:
     }
 
 
-def section_text(section: Mapping[str, Any]) -> dict[str, str]:
+def section_text(display: Display, section: Mapping[str, Any]) -> dict[str, str]:
     """A `section` in words: its source, if it is a file, and its extent."""
     words = {}
     if section["file"]:
@@ -173,12 +166,12 @@ def section_text(section: Mapping[str, Any]) -> dict[str, str]:
             [
                 section["file"],
                 *([f"layer {layer}"] if layer else []),
-                *([f"unit {format_quantity('length', unit)}"] if unit else []),
+                *([f"unit {display.quantity(unit, 'given length')}"] if unit else []),
                 # less is the last digit of a number
-                *([f"gaps of up to {quantity('length', gap, 2)} closed"] if gap > 1e-8 else []),
+                *([f"gaps of up to {display.quantity(gap, 'length 2')} closed"] if gap > 1e-8 else []),
             ]
         )
-    unit = unit_for("length", section["r_m"][1])
+    unit = display.unit_for("length", section["r_m"][1])
     words["extent"] = ", ".join(
         f"{c} {trim_zeros(unit.of(low))} to {trim_zeros(unit.of(high))} {unit.name}"
         for c, (low, high) in (("r", section["r_m"]), ("z", section["z_m"]))
@@ -194,7 +187,7 @@ def finish_numbers(case: Case) -> dict[str, dict[str, Any]]:
     case : Case
     """
     faces = {} if case.roughness is None else case.roughness.finishes
-    return {key: _numbers(one) for key, one in faces.items()}
+    return {key: _numbers(face) for key, face in faces.items()}
 
 
 def _numbers(table: FinishTable) -> dict[str, Any]:
@@ -234,48 +227,51 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
     return [
         row
         for table, names in faces.items()
-        for row in _rows(table, "each face" if alike else " and ".join(names))
+        for row in _rows(case.display, table, "each face" if alike else " and ".join(names))
     ]
 
 
-def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
+def _rows(display: Display, table: FinishTable, whose: str) -> list[tuple[str, str]]:
     finish, face = table.finish, table.surface()
     spreads, height = finish.spreads, finish.spreads.get("rms_height")
     lays = own_tables("words.toml")["lays"]
     lay = lays["none"]
     if "lay" in spreads:
-        lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)}{_known(spreads, 'lay')} times longer along it"
+        lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)}{_known(display, spreads, 'lay')} times longer along it"
     elif face.aspect > 1.0:
         lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)} times longer along it (given)"
     others = [name for name in ("Ra", "Rq", "Rz") if name != finish.parameter]
     return worded_rows(
+        display,
         "finish",
         without=() if height is not None and height.high > height.low else ("  height of real surfaces",),
         whose=whose,
         finish=finish,
         face=face,
-        value=format_value(spreads[finish.parameter][::2], "given length")
-        + f" (usual: {quantity('length', finish.value)})"
+        value=display.quantity(spreads[finish.parameter][::2], "given length")
+        + f" (usual: {display.quantity(finish.value, 'length')})"
         if finish.parameter in spreads
-        else format_quantity("length", finish.value),
-        others=", ".join(f"{name} {quantity('length', face.expected.value(name))}" for name in others),
-        hurst=_known(spreads, "hurst"),
+        else display.quantity(finish.value, "given length"),
+        others=", ".join(
+            f"{name} {display.quantity(face.expected.value(name), 'length')}" for name in others
+        ),
+        hurst=_known(display, spreads, "hurst"),
         rolloff=2.0 * math.pi / face.q_rolloff,
-        of_rolloff=_known(spreads, "q_rolloff", "given length"),
+        of_rolloff=_known(display, spreads, "q_rolloff", "given length"),
         shortest=2.0 * math.pi / face.across.q_high,
-        of_shortest=_known(spreads, "q_high", "given length"),
+        of_shortest=_known(display, spreads, "q_high", "given length"),
         longest=2.0 * math.pi / face.across.q_low,
         lay=lay,
         height=height,
     )
 
 
-def _known(spreads: Mapping[str, Spread], name: str, how: str = "trimmed") -> str:
+def _known(display: Display, spreads: Mapping[str, Spread], name: str, how: str = "trimmed") -> str:
     """Whether a number was given, or assumed and in which range."""
     if name not in spreads:
         return " (given)"
-    low, _, high = (float(f"{one:.3g}") if "length" in how else one for one in spreads[name])
-    return f" (assumed; {format_value(low, how)} to {format_value(high, how)})"
+    low, _, high = (float(f"{end:.3g}") if "length" in how else end for end in spreads[name])
+    return f" (assumed; {display.quantity(low, how)} to {display.quantity(high, how)})"
 
 
 def temperature_rows(
@@ -291,19 +287,23 @@ def temperature_rows(
     field : TemperatureField, optional
         The calculated temperatures, if any.
     """
+    display = case.display
     if case.temperature is None:
         return
     calculated = problem.at_rest.heating is not None
     for name, temperature in problem.at_rest.temperatures.items():
         yield (
             f"{name} at the contact" if calculated else f"temperature of the {case.label_of(name)}",
-            in_degrees(temperature),
+            in_degrees(display, temperature),
         )
-    yield "dimensions hold at", in_degrees(case.temperature.reference)
+    yield "dimensions hold at", in_degrees(display, case.temperature.reference)
     for name, face in case.temperature.faces.items():
         film, place = face.heat_transfer, own_tables("words.toml")["heated_faces"][name]
         with_film = "" if film is None else f", {trim_zeros(film)} W/(m² K)"
-        yield f"{place}, {'face' if film is None else 'fluid'}", in_degrees(face.temperature) + with_film
+        yield (
+            f"{place}, {'face' if film is None else 'fluid'}",
+            in_degrees(display, face.temperature) + with_film,
+        )
         if field is not None:
             yield f"{place}, heat into the seal", f"{number(field.heat[name], 4)} W"
     if field is not None:
@@ -320,12 +320,12 @@ def temperature_rows(
         f"{number(1e6 * problem.at_rest.expansion, 4)}·10⁻⁶",
     )
     if problem.supports.wall == "fixed":
-        yield "wall of the seat moves inwards", format_quantity("length", problem.at_rest.interference)
+        yield "wall of the seat moves inwards", display.quantity(problem.at_rest.interference, "given length")
 
 
-def in_degrees(temperature: float) -> str:
+def in_degrees(display: Display, temperature: float) -> str:
     """A temperature [K] in words."""
-    unit = unit_for("temperature", temperature)
+    unit = display.unit_for("temperature", temperature)
     return f"{trim_zeros(round(unit.of(temperature), 2))} {unit.name}"
 
 
@@ -333,7 +333,7 @@ def derived_numbers(case: Case, derived: ClosedForms) -> dict[str, Any]:
     """Derived numbers of a case in SI, for `check --json`; of a lower flange of its own, on both faces, beside them."""
     fluid, others = case.fluid, case.parts[1:]
     crossovers = [load.crossover for load in derived.loads if load.crossover]
-    found = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
+    width_of = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
     return {
         "title": case.title,
         "touch_radius_m": derived.initial_contact_radius,
@@ -344,7 +344,7 @@ def derived_numbers(case: Case, derived: ClosedForms) -> dict[str, Any]:
             for name in ("closure", "seat")
         },
         "sections": {
-            case.key_of(name): drawn for name in ("closure", "seat") if (drawn := section(case, name))
+            case.key_of(name): numbers for name in ("closure", "seat") if (numbers := section(case, name))
         },
         "materials": {case.key_of(name): case.table_of(name).material.name for name in ("closure", "seat")},
         **({"lower_flange": derived_numbers(others[0], derive(others[0]))} if others else {}),
@@ -362,7 +362,7 @@ def derived_numbers(case: Case, derived: ClosedForms) -> dict[str, Any]:
                 "gaussian_peak_pressure_Pa": load.gaussian.peak_pressure if load.gaussian else None,
                 "gaussian_std_m": load.gaussian.std if load.gaussian else None,
                 "crossover_peak_pressure_Pa": load.crossover.peak_pressure if load.crossover else None,
-                "crossover_fwhm_m": found[load.crossover] if load.crossover else None,
+                "crossover_fwhm_m": width_of[load.crossover] if load.crossover else None,
                 "crossover_std_m": load.crossover.std if load.crossover else None,
             }
             for load in derived.loads
@@ -389,11 +389,14 @@ def requirement_numbers(case: Case) -> list[dict[str, Any]] | None:
     ]
 
 
-def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
+def worded_rows(
+    display: Display, name: str, *, without: Collection[str] = (), **values: object
+) -> list[tuple[str, str]]:
     """Names and texts of a table of words.toml under "rows", in its order.
 
     Parameters
     ----------
+    display : Display
     name : str
         Of the table.
     without : collection of str
@@ -402,4 +405,8 @@ def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -
         Values of the {names} in both.
     """
     rows = own_tables("words.toml")["rows"][name]
-    return [(filled(key, values), filled(text, values)) for key, text in rows.items() if key not in without]
+    return [
+        (fill(display, key, **values), fill(display, text, **values))
+        for key, text in rows.items()
+        if key not in without
+    ]

@@ -21,23 +21,13 @@ from fem_seal.case.tables import curves
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.scenarios import force_column, leak_rate_column
-from fem_seal.units import (
-    DIGITS,
-    LIQUID,
-    LeakVolume,
-    Unit,
-    fixed_unit,
-    format_digits,
-    quantity_worth,
-    split_unit,
-    trim_zeros,
-    unit_for,
-)
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, format_digits, split_unit, trim_zeros
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad
     from fem_seal.case.case import Case
     from fem_seal.case.tables import CaseTables
+    from fem_seal.units import Display
 
 
 @dataclass(frozen=True)
@@ -57,10 +47,9 @@ class TerminalColumn:
     heading: str
     shown_in: str
 
-    @property
-    def unit(self) -> Unit:
+    def unit_in(self, display: Display) -> Unit:
         """The unit in the system of display."""
-        return fixed_unit(self.shown_in)
+        return display.fixed_unit(self.shown_in)
 
 
 @dataclass(frozen=True)
@@ -127,7 +116,9 @@ class Column:
         return [
             source
             for source in self.belongs
-            if not any(_holds(case, one) or _is_varied(one, varied) for one in source.split(" or "))
+            if not any(
+                _holds(case, condition) or _is_varied(condition, varied) for condition in source.split(" or ")
+            )
         ]
 
     @property
@@ -199,15 +190,15 @@ def _plastic_strain(load: CaseLoad) -> float | None:
     from fem_seal.bodies.fields import ElastoplasticField
     from fem_seal.contact.load_path import ElastoplasticContact
 
-    contacts = [one.contact for one in load.parts]
-    yielding = [one for one in contacts if isinstance(one, ElastoplasticContact)]
-    fields = [one for contact in yielding for one in contact.fields.values()]
-    strains = [one.accumulated_plastic_strain for one in fields if isinstance(one, ElastoplasticField)]
+    contacts = [part.contact for part in load.parts]
+    yielding = [contact for contact in contacts if isinstance(contact, ElastoplasticContact)]
+    fields = [field for contact in yielding for field in contact.fields.values()]
+    strains = [field.accumulated_plastic_strain for field in fields if isinstance(field, ElastoplasticField)]
     return max((float(strain.max()) for strain in strains), default=None)
 
 
 def _load_steps(load: CaseLoad) -> int | None:
-    return max(getattr(one.contact, "load_steps", 0) for one in load.parts) or None
+    return max(getattr(part.contact, "load_steps", 0) for part in load.parts) or None
 
 
 def _interval_end(load: CaseLoad, which: int) -> float | None:
@@ -218,10 +209,8 @@ def _interval_end(load: CaseLoad, which: int) -> float | None:
 
 def _per_length(name: str, load: CaseLoad) -> float | None:
     """A number of the leak per length of the contact circle, of two different faces the mean of both."""
-    radii, value = (
-        [part.contact.model.initial_contact_radius for part in load.parts],
-        _follow(name, load.leak),
-    )
+    radii = [part.contact.model.initial_contact_radius for part in load.parts]
+    value = _follow(name, load.leak)
     return None if value is None else value / (2.0 * math.pi * sum(radii) / len(radii))
 
 
@@ -305,7 +294,7 @@ def _is_varied(condition: str, paths: Collection[str]) -> bool:
     """Whether a study varies what decides a condition; a table of its own has to stand in the base case."""
     path = condition.removeprefix("no ").partition(" = ")[0]
     _, key = _CONDITIONS.get(condition, (None, "" if path.startswith("[") else path))
-    return bool(key) and any(key in one for one in paths)
+    return bool(key) and any(key in path for path in paths)
 
 
 # Names of the columns of each table; empty ones are left out.
@@ -321,7 +310,9 @@ LEAK_COLUMNS, TEXT_COLUMNS = (
 )
 
 
-def columns_of(case: CaseTables, *, of_profile: bool = False, every: bool = False) -> tuple[Column, ...]:
+def columns_of(
+    case: CaseTables, *, of_profile: bool = False, all_columns: bool = False
+) -> tuple[Column, ...]:
     """Columns of leak.csv for a case; what its tables say decides, never what was calculated.
 
     Parameters
@@ -329,13 +320,14 @@ def columns_of(case: CaseTables, *, of_profile: bool = False, every: bool = Fals
     case : CaseTables
     of_profile : bool
         Whether the contact is a given pressure profile, which has no bodies.
-    every : bool
+    all_columns : bool
         Also those that do not belong to the case.
     """
     return tuple(
         column
         for name, column in COLUMNS.items()
-        if (not of_profile or name in SHOWN_COLUMNS["of_profiles"]) and (every or not column.lacking(case))
+        if (not of_profile or name in SHOWN_COLUMNS["of_profiles"])
+        and (all_columns or not column.lacking(case))
     )
 
 
@@ -360,11 +352,11 @@ def column_named(name: object, columns: Iterable[str], case: CaseTables | None =
     >>> column_named("leak_rate", LEAK_COLUMNS)
     'leak_rate_m3_per_s'
     """
-    full, known = _by_name(columns), _by_name(COLUMNS)
+    full, any_column = _by_name(columns), _by_name(COLUMNS)
     if name in full:
         return full[str(name)]
-    if name in known:
-        column = COLUMNS[known[str(name)]]
+    if name in any_column:
+        column = COLUMNS[any_column[str(name)]]
         missing = [] if case is None else column.lacking(case)
         sources = f"it comes with {' and '.join(missing)}; result.all_columns has every column"
         raise KeyError(
@@ -396,25 +388,26 @@ def in_full(text: str, taken: Collection[str] = ()) -> str:
     >>> in_full('leak_rate / "1 ml/min" + peak_pressure_Pa')
     'leak_rate_m3_per_s / "1 ml/min" + peak_pressure_Pa'
     """
-    known = {split_unit(one)[0]: one for one in reversed(LEAK_COLUMNS)}
-    return _NAME.sub(lambda name: name[0] if name[0] in taken else known.get(name[0], name[0]), text)
+    full_names = {split_unit(column)[0]: column for column in reversed(LEAK_COLUMNS)}
+    return _NAME.sub(lambda name: name[0] if name[0] in taken else full_names.get(name[0], name[0]), text)
 
 
 # Words that are no part of a path such as seat.angle, and no function; quotes as a whole.
 _NAME = re.compile(r"""\"[^"]*\"|'[^']*'|(?<![\w.])[A-Za-z_]\w*(?![\w.(])""")
 
 
-def in_words(load: CaseLoad, name: str) -> str:
+def in_words(display: Display, load: CaseLoad, name: str) -> str:
     """A number of a load for a sentence: with its unit, and no more digits than in the tables.
 
     Parameters
     ----------
+    display : Display
     load : CaseLoad
     name : str
         Of a column with a kind of quantity.
     """
     column = COLUMNS[name]
-    return quantity_worth(column.kind, column.number(load), column.digits(load))
+    return display.quantity(column.number(load), f"worth {column.kind} {column.digits(load)}")
 
 
 # Columns of the loads on the terminal.
@@ -453,6 +446,7 @@ class ReportColumn:
 
     Parameters
     ----------
+    display : Display
     column : Column
     values : list of float or None
         One per row, SI.
@@ -464,6 +458,7 @@ class ReportColumn:
         That for the largest of the values unless given.
     """
 
+    display: Display
     column: Column
     values: list[float | None]
     digits: list[int]
@@ -481,10 +476,10 @@ class ReportColumn:
         if self.given_unit is not None:
             return self.given_unit
         if not self.column.kind:
-            return fixed_unit("")
+            return Unit("", 1.0)
         largest = max(abs(value) for value in self.values if value is not None)
-        found = unit_for(self.column.kind, largest)
-        return self.volume.name_unit(found) if self.column.kind == "flow" else found
+        unit = self.display.unit_for(self.column.kind, largest)
+        return self.display.name_unit(unit, self.volume) if self.column.kind == "flow" else unit
 
 
 def filled_columns(case: Case, names: Iterable[str], loads: Sequence[AnyLoad]) -> list[ReportColumn]:
@@ -500,6 +495,7 @@ def filled_columns(case: Case, names: Iterable[str], loads: Sequence[AnyLoad]) -
     columns = {column.name: column for column in columns_of(case, of_profile=of_profile)}
     return [
         ReportColumn(
+            case.display,
             columns[name],
             [columns[name].value(load) for load in loads],
             [columns[name].digits(load) for load in loads],
@@ -519,16 +515,16 @@ def columns_table(columns: Sequence[ReportColumn], none: str = "none measurable"
     none : str
         Word for what is too little to be measured.
     """
-    shown = [one for one in columns if one.some]
-    own = {one.column.name: one.unit for one in shown}
-    units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
+    filled = [column for column in columns if column.some]
+    unit_of = {column.column.name: column.unit for column in filled}
+    units = [unit_of.get(column.column.unit_like, unit_of[column.column.name]) for column in filled]
     return ReadableTable(
         tuple(
-            f"{one.column.heading} [{unit.name}]" if unit.name else one.column.heading
-            for one, unit in zip(shown, units, strict=True)
+            f"{column.column.heading} [{unit.name}]" if unit.name else column.column.heading
+            for column, unit in zip(filled, units, strict=True)
         ),
         tuple(
-            tuple(_cell(one, unit, n, none) for one, unit in zip(shown, units, strict=True))
+            tuple(_cell(column, unit, n, none) for column, unit in zip(filled, units, strict=True))
             for n in range(len(columns[0].values))
         ),
     )

@@ -13,16 +13,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.shown import prose
+from fem_seal.output.answer_output import prose
 from fem_seal.output.tables import write_rows
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
-from fem_seal.units import attributes, fixed_unit, number
-from fem_seal.wording import phrase
+from fem_seal.units import attributes, number
+from fem_seal.wording import say
 from leak import Reading
 from leak.theory.plasticity import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct_seal import SealRow
+    from fem_seal.units import Display
 
 TABLE, GAPS, ABOUT, SEAL_TABLE = "direct.csv", "direct_gaps.csv", "direct.json", "direct_seal.csv"
 
@@ -61,13 +62,20 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
         "theory_contact_area": nan if theory is None else theory.contact_area,
         "theory_mean_gap_m": nan if theory is None else theory.mean_gap,
         **{
-            f"theory_conductivity_{one}_m3_per_Pa_s": nan if theory is None else conductivity(theory.gap[one])
-            for one in readings
+            f"theory_conductivity_{reading}_m3_per_Pa_s": nan
+            if theory is None
+            else conductivity(theory.gap[reading])
+            for reading in readings
         },
-        **{f"theory_effective_gap_{one}_m": nan if theory is None else theory.gap[one] for one in readings},
         **{
-            f"theory_conductivity_ratio_all_waves_{one}": nan if theory is None else theory.cutoff_factor(one)
-            for one in readings
+            f"theory_effective_gap_{reading}_m": nan if theory is None else theory.gap[reading]
+            for reading in readings
+        },
+        **{
+            f"theory_conductivity_ratio_all_waves_{reading}": nan
+            if theory is None
+            else theory.cutoff_factor(reading)
+            for reading in readings
         },
     }
 
@@ -120,44 +128,46 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
     }
 
 
-def direct_lines(table: DirectTable) -> list[str]:
+def direct_lines(display: Display, table: DirectTable) -> list[str]:
     """The simulation in sentences.
 
     Parameters
     ----------
+    display : Display
     table : DirectTable
     """
     simulation = table.simulation
     patches = "1 patch" if simulation.settings.samples == 1 else f"{simulation.settings.samples} patches"
     if simulation.heights is not None:
-        return [phrase("direct.patch", "map", simulation=simulation), _asperities(simulation)]
+        return [say(display, "direct", "patch_map", simulation=simulation), _asperities(display, simulation)]
     lines = [
-        phrase("direct.patch", "random", "held", simulation=simulation, patches=patches),
-        _asperities(simulation),
+        say(display, "direct", "patch_random", simulation=simulation, patches=patches),
+        _asperities(display, simulation),
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
-    own, *further = READINGS["paper"]
-    readings = [own] if len(simulation.surface.readings) == 1 else [*further, own]
+    default, *further = READINGS["paper"]
+    readings = [default] if len(simulation.surface.readings) == 1 else [*further, default]
     for reading in readings:
-        cuts = [cut for one in theory if math.isfinite(cut := one.cutoff_factor(reading))]
+        cuts = [cut for row in theory if math.isfinite(cut := row.cutoff_factor(reading))]
         if cuts:
             key = reading if len(readings) > 1 else Reading.ELASTIC
-            lines.append(phrase("direct.cost", key, low=min(cuts), high=max(cuts)))
+            lines.append(say(display, "direct", f"cost_{key}", low=min(cuts), high=max(cuts)))
     ratios = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
     if ratios:
-        lines.append(phrase("direct.cost", "half", low=min(ratios), high=max(ratios)))
+        lines.append(say(display, "direct", "cost_half", low=min(ratios), high=max(ratios)))
     return lines
 
 
-def _asperities(simulation: DirectSimulation) -> str:
-    return phrase("direct.asperities", simulation.asperities, simulation=simulation)
+def _asperities(display: Display, simulation: DirectSimulation) -> str:
+    return say(display, "direct", f"asperities_{simulation.asperities}", simulation=simulation)
 
 
-def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> None:
+def write_direct(display: Display, table: DirectTable, folder: Path, viscosity: float | None) -> None:
     """Write tables and pictures.
 
     Parameters
     ----------
+    display : Display
     table : DirectTable
     folder : Path
     viscosity : float or None
@@ -168,40 +178,43 @@ def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> N
 
     write_rows(folder / TABLE, direct_rows(table, viscosity))
     write_rows(folder / GAPS, list(gap_rows(table)))
-    write_text(folder / ABOUT, as_json({**direct_numbers(table), "sentences": direct_lines(table)}))
+    write_text(folder / ABOUT, as_json({**direct_numbers(table), "sentences": direct_lines(display, table)}))
     with style():
-        write_bytes(folder / "direct.svg", curves_picture(table).svg)
+        write_bytes(folder / "direct.svg", curves_picture(display, table).svg)
         rows = [row for row in table.rows if row.branch == "load"]
         for name, n in zip(
             ("low", "middle", "high"), np.linspace(0, len(rows) - 1, 3).round().astype(int), strict=True
         ):
-            write_bytes(folder / f"direct_map_{name}.svg", map_picture(table, rows[n].pressure).svg)
+            write_bytes(folder / f"direct_map_{name}.svg", map_picture(display, table, rows[n].pressure).svg)
 
 
-def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
+def shown_rows(display: Display, rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
     """Headings and cells for the terminal.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of mapping
         From `direct_rows`.
     """
     return _on_terminal(
-        "samples", [{**row, "tight": f"{row['blocked_samples']}/{row['samples']}"} for row in rows]
+        display, "samples", [{**row, "tight": f"{row['blocked_samples']}/{row['samples']}"} for row in rows]
     )
 
 
-def _on_terminal(name: str, rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
+def _on_terminal(
+    display: Display, name: str, rows: Sequence[Mapping[str, Any]]
+) -> tuple[list[str], list[list[str]]]:
     """Headings and cells of a table of words.toml: texts, and numbers in the units of display."""
-    columns = [(one, fixed_unit(one.get("unit", ""))) for one in prose()["terminal"][name]]
+    columns = [(column, display.fixed_unit(column.get("unit", ""))) for column in prose()["terminal"][name]]
     cells = [
         [
-            _cell(unit.of(row[one["key"]]), one["digits"]) if "digits" in one else row[one["key"]]
-            for one, unit in columns
+            _cell(unit.of(row[column["key"]]), column["digits"]) if "digits" in column else row[column["key"]]
+            for column, unit in columns
         ]
         for row in rows
     ]
-    return [one["heading"].format(unit=unit.name) for one, unit in columns], cells
+    return [column["heading"].format(unit=unit.name) for column, unit in columns], cells
 
 
 def _cell(value: float, digits: int) -> str:
@@ -240,26 +253,28 @@ def seal_numbers(row: SealRow) -> dict[str, Any]:
     }
 
 
-def seal_lines(rows: Sequence[SealRow]) -> list[str]:
+def seal_lines(display: Display, rows: Sequence[SealRow]) -> list[str]:
     """The simulation of the strips in sentences.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of SealRow
     """
     strip = rows[0].place.strip
     widths = [row.place.strip.width for row in rows]
     shortest = max(2.0 * math.pi / row.place.strip.q_high for row in rows)
     grid = {"points": strip.points, "shortest": shortest}
-    strips = phrase("direct.seal", "strips", least=min(widths), most=max(widths), **grid)
-    return [strips, phrase("direct.seal", "chain")]
+    strips = say(display, "direct", "seal_strips", least=min(widths), most=max(widths), **grid)
+    return [strips, say(display, "direct", "seal_chain")]
 
 
-def write_direct_seal(rows: Sequence[SealRow], folder: Path) -> None:
+def write_direct_seal(display: Display, rows: Sequence[SealRow], folder: Path) -> None:
     """Write table and picture.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of SealRow
     folder : Path
     """
@@ -268,20 +283,21 @@ def write_direct_seal(rows: Sequence[SealRow], folder: Path) -> None:
 
     write_rows(folder / SEAL_TABLE, [seal_numbers(row) for row in rows])
     with style():
-        write_bytes(folder / "direct_seal.svg", seal_picture(rows).svg)
+        write_bytes(folder / "direct_seal.svg", seal_picture(display, rows).svg)
 
 
-def shown_seal_rows(rows: Sequence[SealRow]) -> tuple[list[str], list[list[str]]]:
+def shown_seal_rows(display: Display, rows: Sequence[SealRow]) -> tuple[list[str], list[list[str]]]:
     """Headings and cells for the terminal.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of SealRow
     """
-    shown = []
+    cells = []
     for row in rows:
         mean, leaks = row.leak_rate, row.leak_rate > 0.0
         error = 100.0 * row.deviation / math.sqrt(len(row.leak_rates)) / mean if leaks else math.nan
         ratio = number(row.chain_held / mean, 3) if leaks else "tight"
-        shown.append({**seal_numbers(row), "error": error, "chain_over_simulated": ratio})
-    return _on_terminal("seal", shown)
+        cells.append({**seal_numbers(row), "error": error, "chain_over_simulated": ratio})
+    return _on_terminal(display, "seal", cells)

@@ -16,11 +16,11 @@ from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Imprint
 from fem_seal.contact.solution import PlasticZone, YieldedZone
 from fem_seal.files import as_json, write_text
-from fem_seal.output import shown_answers, stored
+from fem_seal.output import answer_outputs, stored
+from fem_seal.output.answer_output import by_scenario
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import far_field_sentence, write_report
-from fem_seal.output.shown import by_scenario
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import (
     contact_rows,
@@ -37,7 +37,9 @@ from fem_seal.units import attributes
 from fem_seal.version import __version__
 
 
-def write(result: SealSolution, folder: Path, *, full: bool = False, every: bool = False) -> tuple[str, ...]:
+def write(
+    result: SealSolution, folder: Path, *, full: bool = False, all_columns: bool = False
+) -> tuple[str, ...]:
     """Write tables, summary, VTK files, mesh and report into a folder.
 
     They replace the files of an earlier run together, or none is written; everything else in the folder is left alone.
@@ -50,7 +52,7 @@ def write(result: SealSolution, folder: Path, *, full: bool = False, every: bool
         Made if it does not exist.
     full : bool
         Whether the report has all numbers, pictures and tables.
-    every : bool
+    all_columns : bool
         Whether leak.csv and summary.json have all columns, also those that do not belong to the case.
 
     Returns
@@ -64,9 +66,9 @@ def write(result: SealSolution, folder: Path, *, full: bool = False, every: bool
         If a file cannot be written.
     """
     folder, steps = Path(folder), OptionalSteps()
-    tables = [name for shown in shown_answers.SHOWN for name in shown.tables]
+    tables = [name for output in answer_outputs.OUTPUTS for name in output.tables]
     with replaced_together(folder, tables=tables) as draft:
-        write_leak_csv(result, draft / "leak.csv", every=every)
+        write_leak_csv(result, draft / "leak.csv", all_columns=all_columns)
         write_profile_csv(result, draft / "profile.csv")
         # a full disc affects the other files as well
         reports = {
@@ -77,13 +79,17 @@ def write(result: SealSolution, folder: Path, *, full: bool = False, every: bool
                 continue  # has neither mesh nor fields
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
-        own = {
+        answer_tables = {
             name: table
-            for shown in shown_answers.SHOWN
-            if shown.asked(result)
-            for name, table in shown.tables.items()
+            for output in answer_outputs.OUTPUTS
+            if output.answers(result)
+            for name, table in output.tables.items()
         }
-        for name, table in {"contacts.csv": contact_rows, "imprint.csv": imprint_rows, **own}.items():
+        for name, table in {
+            "contacts.csv": contact_rows,
+            "imprint.csv": imprint_rows,
+            **answer_tables,
+        }.items():
             with steps.attempt(name, but=OSError):
                 columns, rows = table(result)
                 if rows:
@@ -92,7 +98,9 @@ def write(result: SealSolution, folder: Path, *, full: bool = False, every: bool
             stored.store_result(result, draft / stored.FILE)
         with steps.attempt("summary.json", but=OSError):
             warnings = (*result.warnings, *steps.failures)
-            write_summary(replace(result, warnings=warnings), draft / "summary.json", folder, every=every)
+            write_summary(
+                replace(result, warnings=warnings), draft / "summary.json", folder, all_columns=all_columns
+            )
     return tuple(steps.failures)
 
 
@@ -114,13 +122,13 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
 FORMAT_VERSION = 2
 
 
-def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
+def summary(result: SealSolution, *, all_columns: bool = False) -> dict[str, Any]:
     """Everything about a result except its fields, in SI, ready for JSON.
 
     Parameters
     ----------
     result : SealSolution
-    every : bool
+    all_columns : bool
         See `write`.
 
     Returns
@@ -156,7 +164,7 @@ def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
         "input": resolved_input(result),
         "derived": derived_numbers(case, derive_beside(result)),
         "mesh": None if result.of_profile else mesh_numbers(result),
-        "loads": leak_rows(result, every=every),
+        "loads": leak_rows(result, all_columns=all_columns),
         "leakage": leakage_table(result),
         "yielding": [] if result.of_profile else [_yielding(load) for load in result.loads],
         "imprint": None if result.unloaded_bodies is None else _imprints(result.imprints),
@@ -166,7 +174,11 @@ def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
             "changes": [by_scenario(asdict(change)) for change in result.far_field],
             "says": far_field_sentence(result),
         },
-        **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary_of(result).items()},
+        **{
+            key: value
+            for output in answer_outputs.OUTPUTS
+            for key, value in output.summary_of(result).items()
+        },
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
         "sources": [asdict(source) for source in sources(result)],
@@ -174,7 +186,7 @@ def summary(result: SealSolution, *, every: bool = False) -> dict[str, Any]:
 
 
 def write_summary(
-    result: SealSolution, path: Path, folder: Path | None = None, *, every: bool = False
+    result: SealSolution, path: Path, folder: Path | None = None, *, all_columns: bool = False
 ) -> Path:
     """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null.
 
@@ -184,10 +196,10 @@ def write_summary(
     path : pathlib.Path
     folder : pathlib.Path, optional
         Final folder of the results; that of `path` unless given.
-    every : bool
+    all_columns : bool
         See `write`.
     """
-    content = summary(result, every=every)
+    content = summary(result, all_columns=all_columns)
     content["input"]["output"]["folder"] = str((folder or path.parent).absolute())
     return write_text(path, as_json(content) + "\n")
 

@@ -9,7 +9,7 @@ from typing import Any
 from fem_seal.case.material_table import ALIASES, CURVES, LIBRARY
 from fem_seal.files import own_tables
 from fem_seal.materials import Material
-from fem_seal.units import fixed_quantity, fixed_unit
+from fem_seal.units import Display
 from leak.fluids.library import ENTRIES, ROOM_TEMPERATURE, gas, is_gas, is_liquid, known_name, liquid
 
 _SAID = own_tables("library.toml")
@@ -42,18 +42,22 @@ class ListedNumber:
     word: str = ""
     unit: str = ""
 
-    def text(self, value: float | None) -> str:
+    def text(self, display: Display, value: float | None) -> str:
         """A value in the unit of the table, a dash for none."""
-        return "-" if value is None else shown(value, self.unit).split()[0]
+        return "-" if value is None else display.fixed_quantity(self.unit, value).split()[0]
 
-    def with_unit(self, *values: float) -> str:
+    def with_unit(self, display: Display, *values: float) -> str:
         """Values and their unit, written once: "16, 16.5e-6/K"."""
-        name = fixed_unit(self.unit).name
-        return (", ".join(map(self.text, values)) + f" {name}").rstrip().replace(" 1e-6/", "e-6/")
+        name = display.fixed_unit(self.unit).name
+        return (
+            (", ".join(self.text(display, value) for value in values) + f" {name}")
+            .rstrip()
+            .replace(" 1e-6/", "e-6/")
+        )
 
 
 _OF_MATERIALS, _OF_FLUIDS = (
-    {one["key"]: ListedNumber(**one) for one in _SAID[kind]} for kind in ("materials", "fluids")
+    {entry["key"]: ListedNumber(**entry) for entry in _SAID[kind]} for kind in ("materials", "fluids")
 )
 
 
@@ -67,7 +71,7 @@ def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> d
         [K]
     """
     columns = {number.of: key for key, number in _OF_MATERIALS.items()}
-    known = {
+    numbers = {
         key: table.at(temperature)
         if (table := material.table(number.of)) and table.reaches(temperature)
         else None
@@ -85,7 +89,7 @@ def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> d
         "name": material.name,
         "aliases": [word for word, name in ALIASES.items() if name == material.name],
         "temperature_K": temperature,
-        **known,
+        **numbers,
         "poissons_ratio": material.poissons_ratio,
         "creeps": material.creeps,
         "condition": material.condition,
@@ -109,7 +113,7 @@ def material_rows(temperature: float = ROOM_TEMPERATURE) -> list[dict[str, Any]]
     temperature : float
         [K]
     """
-    return [material_row(one, temperature) for one in LIBRARY.values()]
+    return [material_row(material, temperature) for material in LIBRARY.values()]
 
 
 def fluid_rows(temperature: float = ROOM_TEMPERATURE) -> list[dict[str, Any]]:
@@ -137,16 +141,16 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
     FluidError
         If the library has no such fluid; the message names the nearest ones.
     """
-    entries = {one.name: one for one in ENTRIES}
+    entries = {entry.name: entry for entry in ENTRIES}
     if is_gas(name):
-        known = gas(name).name
+        full_name = gas(name).name
     elif is_liquid(name):
-        known = liquid(name).name
+        full_name = liquid(name).name
     else:
-        known = known_name(name, list(entries), {})
-    entry, of_gas = entries[known], gas(known) if is_gas(known) else None
+        full_name = known_name(name, list(entries), {})
+    entry, of_gas = entries[full_name], gas(full_name) if is_gas(full_name) else None
     row: dict[str, Any] = {
-        "name": known,
+        "name": full_name,
         "state": "liquid" if of_gas is None else "gas",
         "temperature_K": temperature,
         "viscosity_Pa_s": None,
@@ -161,84 +165,81 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
     # a round number of degrees must not fail because of the last bit of its kelvins
     if entry.low - 1e-6 <= temperature <= entry.high + 1e-6:
         if of_gas is not None:
-            row |= {"viscosity_Pa_s": gas(known, temperature).viscosity}
+            row |= {"viscosity_Pa_s": gas(full_name, temperature).viscosity}
         else:
-            found = liquid(known, temperature)
-            row |= {"viscosity_Pa_s": found.viscosity, "density_kg_per_m3": found.density}
-            if found.pressure_law is not None:
-                ratio = float(found.pressure_law.viscosity_ratio(_HIGH))
-                row |= {"viscosity_at_1000_bar_Pa_s": ratio * found.viscosity}
+            fluid = liquid(full_name, temperature)
+            row |= {"viscosity_Pa_s": fluid.viscosity, "density_kg_per_m3": fluid.density}
+            if fluid.pressure_law is not None:
+                ratio = float(fluid.pressure_law.viscosity_ratio(_HIGH))
+                row |= {"viscosity_at_1000_bar_Pa_s": ratio * fluid.viscosity}
     return row
 
 
-def shown(value: float, unit: str, digits: int = 4) -> str:
-    """A number of a row in a `fixed_unit`, with it.
-
-    Parameters
-    ----------
-    value : float
-        [SI]
-    unit : str
-    digits : int
-    """
-    return fixed_quantity(unit, value, digits).rstrip()
-
-
-def material_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+def material_cells(display: Display, rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     """Headings and cells of the numbers of some materials.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of dict
         Of `material_rows`.
     """
     names = [[row["name"] + (" (creeps)" if row["creeps"] else "")] for row in rows]
-    return _cells(["material\n"], names, rows, _OF_MATERIALS)
+    return _cells(display, ["material\n"], names, rows, _OF_MATERIALS)
 
 
-def fluid_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+def fluid_cells(display: Display, rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     """Headings and cells of the numbers of some fluids.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of dict
         Of `fluid_rows`.
     """
-    return _cells(["fluid\n", "\n"], [[row["name"], row["state"]] for row in rows], rows, _OF_FLUIDS)
+    return _cells(display, ["fluid\n", "\n"], [[row["name"], row["state"]] for row in rows], rows, _OF_FLUIDS)
 
 
 def _cells(
+    display: Display,
     headings: list[str],
     names: list[list[str]],
     rows: Sequence[dict[str, Any]],
     numbers: Mapping[str, ListedNumber],
 ) -> tuple[list[str], list[list[str]]]:
     """Headings and cells: first the names, then the numbers."""
-    cells = [[number.text(row[key]) for key, number in numbers.items()] for row in rows]
+    cells = [[number.text(display, row[key]) for key, number in numbers.items()] for row in rows]
     return (
-        [*headings, *(one.heading.format(unit=fixed_unit(one.unit).name) for one in numbers.values())],
+        [
+            *headings,
+            *(
+                number.heading.format(unit=display.fixed_unit(number.unit).name)
+                for number in numbers.values()
+            ),
+        ],
         [[*first, *others] for first, others in zip(names, cells, strict=True)],
     )
 
 
-def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def material_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """All that is known of one material, in words.
 
     Parameters
     ----------
+    display : Display
     row : dict
         Of `material_row`.
     """
     yield "name", row["name"]
     if row["aliases"]:
         yield "also called", ", ".join(row["aliases"])
-    at = shown(row["temperature_K"], "degC")
+    at = display.fixed_quantity("degC", row["temperature_K"])
     for key, number in _OF_MATERIALS.items():
         missing = f"not known at {at}" if key in row["over_temperature"] else "not given"
-        yield number.word, missing if row[key] is None else number.with_unit(row[key])
-    yield from over_temperature_lines(row)
+        yield number.word, missing if row[key] is None else number.with_unit(display, row[key])
+    yield from over_temperature_lines(display, row)
     if row["stress_strain"]:
-        yield "stress-strain curve", curve_line(row["stress_strain"])
+        yield "stress-strain curve", curve_line(display, row["stress_strain"])
         yield "source of the curve", row["stress_strain"]["source"]
     if row["creeps"]:
         yield "creep", CREEPS
@@ -246,25 +247,27 @@ def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "source", row["source"]
 
 
-def curve_line(curve: dict[str, Any]) -> str:
+def curve_line(display: Display, curve: dict[str, Any]) -> str:
     """A stress-strain curve of the library in words.
 
     Parameters
     ----------
+    display : Display
     curve : dict
         "stress_strain" of `material_row`.
     """
-    unit = fixed_unit("MPa")
-    strain = ", ".join(f"{100 * one:.3g}" for one in curve["plastic_strain"])
-    stress = ", ".join(f"{unit.of(one):.4g}" for one in curve["stress_Pa"])
+    unit = display.fixed_unit("MPa")
+    strain = ", ".join(f"{100 * strain:.3g}" for strain in curve["plastic_strain"])
+    stress = ", ".join(f"{unit.of(stress):.4g}" for stress in curve["stress_Pa"])
     return f"{stress} {unit.name} at plastic strains of {strain} % (true)"
 
 
-def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def over_temperature_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """The numbers of one material that are known over temperature, in words.
 
     Parameters
     ----------
+    display : Display
     row : dict
         Of `material_row`.
     """
@@ -272,34 +275,39 @@ def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
         if len(set(table["value"])) < 2:
             continue
         number, degrees = _OF_MATERIALS[key], ListedNumber("temperature_K", "", unit="degC")
-        at, values = degrees.with_unit(*table["temperature_K"]), number.with_unit(*table["value"])
+        at = degrees.with_unit(display, *table["temperature_K"])
+        values = number.with_unit(display, *table["value"])
         yield f"{number.word} at", f"{at}: {values}"
 
 
-def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def fluid_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """All that is known of one fluid, in words.
 
     Parameters
     ----------
+    display : Display
     row : dict
         Of `fluid_row`.
     """
     yield "name", row["name"]
     yield "state", row["state"]
-    high = f"at {shown(_HIGH, 'bar')}"
-    at = f" at {shown(row['temperature_K'], 'degC')}"
+    high = f"at {display.fixed_quantity('bar', _HIGH)}"
+    at = f" at {display.fixed_quantity('degC', row['temperature_K'])}"
     if row["viscosity_Pa_s"] is None:
         yield "viscosity", f"not known{at}"
     else:
-        yield "viscosity", f"{shown(row['viscosity_Pa_s'], 'mPa s')}{at}"
+        yield "viscosity", f"{display.fixed_quantity('mPa s', row['viscosity_Pa_s'])}{at}"
     if row["viscosity_at_1000_bar_Pa_s"] is not None:
-        yield high, shown(row["viscosity_at_1000_bar_Pa_s"], "mPa s", 3)
+        yield high, display.fixed_quantity("mPa s", row["viscosity_at_1000_bar_Pa_s"], 3)
     elif row["state"] == "liquid" and row["viscosity_Pa_s"] is not None:
         yield high, "not known"
     if row["density_kg_per_m3"] is not None:
-        yield "density", f"{shown(row['density_kg_per_m3'], 'kg/m3')}{at}"
+        yield "density", f"{display.fixed_quantity('kg/m3', row['density_kg_per_m3'])}{at}"
     if row["state"] == "gas":
         yield "molar mass", f"{1e3 * row['molar_mass_kg_per_mol']:.6g} g/mol"
-        yield "dilute ideal gas", f"within 5 % up to {shown(row['dilute_up_to_Pa'], 'bar')}"
-    yield "range", f"{shown(row['from_K'], 'degC').split()[0]} to {shown(row['to_K'], 'degC')}"
+        yield "dilute ideal gas", f"within 5 % up to {display.fixed_quantity('bar', row['dilute_up_to_Pa'])}"
+    yield (
+        "range",
+        f"{display.fixed_quantity('degC', row['from_K']).split()[0]} to {display.fixed_quantity('degC', row['to_K'])}",
+    )
     yield "source", row["source"]

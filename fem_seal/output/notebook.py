@@ -32,10 +32,10 @@ def result_text(result: SealSolution) -> str:
     if result.warnings:
         heading += f", {_counted(len(result.warnings), 'warning')}"
     # of many loads the first ones and the last
-    shown = loads if len(loads) <= _NAMED else (*loads[: _NAMED - 1], loads[-1])
-    lines = [f"  {load_name(load, loads)}: {_in_brief(load)}" for load in shown]
-    if len(shown) < len(loads):
-        lines.insert(-1, f"  ... {_counted(len(loads) - len(shown), 'load')} more")
+    named = loads if len(loads) <= _NAMED else (*loads[: _NAMED - 1], loads[-1])
+    lines = [f"  {load_name(load, loads)}: {_in_brief(load)}" for load in named]
+    if len(named) < len(loads):
+        lines.insert(-1, f"  ... {_counted(len(loads) - len(named), 'load')} more")
     return "\n".join([heading, *lines])
 
 

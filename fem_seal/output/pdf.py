@@ -23,11 +23,13 @@ _PAGES = re.compile(rb"/Type\s*/Page\b")
 
 def find_browser() -> str | None:
     """A browser that prints without a window: that of FEM_SEAL_BROWSER, or Chromium, Chrome, Edge; None without one."""
-    known: dict[str, list[str]] = own_tables("pictures.toml")["browsers"]
-    folders = [Path(os.environ[key]) for key in known["below"] if key in os.environ]
-    places = [folder / one for folder in folders for one in known["on_windows"]]
-    found = [str(place) for place in (*places, *map(Path, known["on_mac"])) if place.is_file()]
-    return next(filter(None, (os.environ.get(_NAMED), *map(shutil.which, known["commands"]), *found)), None)
+    browsers: dict[str, list[str]] = own_tables("pictures.toml")["browsers"]
+    folders = [Path(os.environ[key]) for key in browsers["below"] if key in os.environ]
+    places = [folder / program for folder in folders for program in browsers["on_windows"]]
+    installed = [str(place) for place in (*places, *map(Path, browsers["on_mac"])) if place.is_file()]
+    return next(
+        filter(None, (os.environ.get(_NAMED), *map(shutil.which, browsers["commands"]), *installed)), None
+    )
 
 
 def print_pdf(page: Path, pdf: Path, browser: str | None = None, *, one_page: bool = False) -> Path:

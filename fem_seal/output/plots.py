@@ -18,14 +18,7 @@ from fem_seal.output.pictures.around import draw_leak_around, draw_line_load
 from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
 from fem_seal.output.pictures.contact import draw_gap, draw_profiles
 from fem_seal.output.pictures.leak import draw_leak
-from fem_seal.output.pictures.style import (
-    label,
-    logarithmic,
-    outside_text,
-    panels,
-    spans_decades,
-    style,
-)
+from fem_seal.output.pictures.style import label, logarithmic, outside_text, panels, spans_decades, style
 from fem_seal.output.pictures.surface import draw_spectrum
 
 if TYPE_CHECKING:
@@ -71,8 +64,8 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
             axes = list(
                 figure.subplots(1, 1 + leaks, squeeze=False, gridspec_kw={"bottom": 0.15, "wspace": 0.3})[0]
             )
-        for one in axes:
-            one.grid(True)
+        for panel in axes:
+            panel.grid(True)
         if leaks:
             _draw_leak(axes[0], result)
         draw_profiles(axes[-1], result)
@@ -135,8 +128,8 @@ _BARS, _BEYOND = 8, 1.6
 
 def _draw_sensitivities(axes: Axes, result: SealSolution) -> None:
     """A bar from the leak rate as it is to that after a step, pale where the readings of yielding asperities differ."""
-    shown = shown_sensitivities(result.sensitivities)[:_BARS]
-    if not shown:
+    sensitivities = shown_sensitivities(result.sensitivities)[:_BARS]
+    if not sensitivities:
         why = "nothing that was tried changes the leak rate by 3 % or more"
         raise _nothing(
             "sensitivities",
@@ -144,16 +137,16 @@ def _draw_sensitivities(axes: Axes, result: SealSolution) -> None:
             if result.sensitivities
             else "they were not calculated; fem_seal.run(case, sensitivities=True) does",
         )
-    known = [1.0, *(end for one in shown for end in one.ratio if 0.0 < end < math.inf)]
-    low, high = min(known) / _BEYOND, max(known) * _BEYOND
-    for n, one in enumerate(shown):
-        near, far = sorted(np.clip(one.ratio, low, high), key=lambda end: abs(math.log(end)))
+    ratios = [1.0, *(end for step in sensitivities for end in step.ratio if 0.0 < end < math.inf)]
+    low, high = min(ratios) / _BEYOND, max(ratios) * _BEYOND
+    for n, sensitivity in enumerate(sensitivities):
+        near, far = sorted(np.clip(sensitivity.ratio, low, high), key=lambda end: abs(math.log(end)))
         for end, alpha in ((far, 0.35), (near, 1.0)):
             axes.barh(n, end - 1.0, 0.4, left=1.0, color=BLUE if near < 1.0 else ORANGE, alpha=alpha)
-        said = outside_text(step_in_words(result.case, one))
+        said = outside_text(step_in_words(result.case, sensitivity))
         axes.text(0.01, n - 0.26, said, transform=axes.get_yaxis_transform(), va="bottom", clip_on=True)
     axes.axvline(1.0, color=INK, linewidth=0.8, zorder=0.6)
-    axes.set(yticks=[], xlim=(low, high), ylim=(len(shown) - 0.6, -0.8))
+    axes.set(yticks=[], xlim=(low, high), ylim=(len(sensitivities) - 0.6, -0.8))
     if spans_decades([low, high], 0.8):
         logarithmic(axes, "x")
     label(axes, f"Sensitivities at {load_of(result)}", "leak rate after over before", "", above=_ABOVE)

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.output.shown import prose
+from fem_seal.output.answer_output import prose
 from fem_seal.output.tables import standards_used
+from fem_seal.units import Display
 from fem_seal.version import __version__
-from fem_seal.wording import phrase
+from fem_seal.wording import environment
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -113,13 +114,9 @@ def _choose_parts(parts: Mapping[str, str], used: set[str]) -> Iterator[str]:
 
 # Year of this version.
 _YEAR = 2026
-_NAMES = ("program", "paper")
 
 
 def citation() -> str:
     """Both references as text, followed by BibTeX."""
-    values = {"version": __version__, "year": _YEAR}
-    program, paper = (
-        [phrase(f"citation.{name}", form, **values) for form in ("text", "bibtex")] for name in _NAMES
-    )
-    return "\n\n".join([f"{program[0]}\n{paper[0]}", program[1], paper[1]])
+    text = environment(Display()).get_template("answers/citation.j2")
+    return text.render(version=__version__, year=_YEAR)

@@ -62,12 +62,12 @@ class _Slim(pickle.Pickler):
 
     def __init__(self, file: BytesIO, result: SealSolution) -> None:
         super().__init__(file, protocol=5)
-        drawn = (
+        loads = (
             ()
             if result.of_profile
             else (result.highest, max(result.loads, key=lambda load: load.max_von_mises))
         )
-        self.drawn = {id(contact) for load in drawn for contact in load.contacts}
+        self.drawn = {id(contact) for load in loads for contact in load.contacts}
 
     def reducer_override(self, value: Any) -> Any:
         """Pickle calls it with every object."""
@@ -85,8 +85,8 @@ class _Slim(pickle.Pickler):
         if left_out is None:
             return NotImplemented
         state = {name: kept for name, kept in vars(value).items() if name not in left_out}
-        own = {field.name for field in fields(value)}
-        return copyreg.__newobj__, (type(value),), state | dict.fromkeys(left_out & own)  # type: ignore[attr-defined]
+        names = {field.name for field in fields(value)}
+        return copyreg.__newobj__, (type(value),), state | dict.fromkeys(left_out & names)  # type: ignore[attr-defined]
 
 
 def _array(kind: str, shape: tuple[int, ...], order: Literal["C", "F"], content: bytes | bytearray) -> Any:
@@ -107,17 +107,17 @@ class _Known(pickle.Unpickler):
         if (module, name) in _KNOWN:
             return super().find_class(module, name)
         if module.split(".")[0] in _OWN:
-            found = super().find_class(module, name)
+            value = super().find_class(module, name)
             # a name can also lead to what the module imports
-            own = isinstance(found, type) and (found.__module__, found.__qualname__) == (module, name)
-            if own and (is_dataclass(found) or issubclass(found, _VALUES)):
-                return found
+            is_class = isinstance(value, type) and (value.__module__, value.__qualname__) == (module, name)
+            if is_class and (is_dataclass(value) or issubclass(value, _VALUES)):
+                return value
         raise pickle.UnpicklingError(f"{module}.{name}")
 
 
 def _method(owner: object, name: str) -> object:
-    own = type(owner).__module__.split(".")[0] in _OWN
-    if own and type(owner).__name__ in _CALCULATING and not name.startswith("_"):
+    of_program = type(owner).__module__.split(".")[0] in _OWN
+    if of_program and type(owner).__name__ in _CALCULATING and not name.startswith("_"):
         return getattr(owner, name)
     raise pickle.UnpicklingError(f"{type(owner).__name__}.{name}")
 

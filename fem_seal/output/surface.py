@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.case_words import worded_rows
-from fem_seal.units import attributes, format_quantity, number, percent, quantity
-from fem_seal.wording import phrase
+from fem_seal.units import Display, attributes, number, percent
+from fem_seal.wording import say
 
 if TYPE_CHECKING:
     from leak import MeasuredSurface, RoughnessParameters
@@ -22,14 +22,14 @@ def parameter_numbers(surface: MeasuredSurface) -> dict[str, Any]:
     ----------
     surface : MeasuredSurface
     """
-    found = roughness_of(surface)
+    roughness = roughness_of(surface)
     return {
-        **attributes(found, "Ra_m", "Rq_m", "Rz_m", "Rsk", "Rku"),
-        **attributes(found.filter, "lambda_c_m", "lambda_s_m"),
-        "sections": found.sections,
-        "evaluation_length_m": found.length,
-        "profiles": found.profiles,
-        "remarks": list(found.remarks),
+        **attributes(roughness, "Ra_m", "Rq_m", "Rz_m", "Rsk", "Rku"),
+        **attributes(roughness.filter, "lambda_c_m", "lambda_s_m"),
+        "sections": roughness.sections,
+        "evaluation_length_m": roughness.length,
+        "profiles": roughness.profiles,
+        "remarks": list(roughness.remarks),
     }
 
 
@@ -60,7 +60,9 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
         "peklenik_flow_along_lay": surface.peklenik and surface.peklenik[1],
         "rolloff_wavenumber_per_m": surface.rolloff.wavenumber,
         **attributes(surface.rolloff, "hurst", "hurst_error", "hurst_interval", "confidence"),
-        "true_rms_height_interval_m": [surface.rms_height * one for one in surface.rolloff.height.interval],
+        "true_rms_height_interval_m": [
+            surface.rms_height * factor for factor in surface.rolloff.height.interval
+        ],
         "roughness_parameters": parameter_numbers(surface),
         "q_low_per_m": surface.q_low,
         "q_high_per_m": surface.q_high,
@@ -83,21 +85,23 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
     }
 
 
-def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
+def surface_lines(display: Display, surface: MeasuredSurface) -> list[tuple[str, str]]:
     """Key figures of a measured surface in words: name and value."""
     points = [" x ".join(map(str, scan.heights.shape)) for scan in surface.scans]
-    found, rolloff = roughness_of(surface), surface.rolloff
+    roughness, rolloff = roughness_of(surface), surface.rolloff
     values: dict[str, Any] = {
         "surface": surface,
-        "rms_height": _with_scatter(surface),
-        "interval": tuple(surface.rms_height * one for one in rolloff.height.interval),
-        "roughness": found,
-        "of_profiles": "" if found.profiles == 1 else f", mean of {found.profiles} profiles",
-        "short": format_quantity("length", found.filter.lambda_s) if found.filter.lambda_s else "none",
-        "sections": "the whole scan" if found.sections == 0 else f"{found.sections} sections",
+        "rms_height": _with_scatter(display, surface),
+        "interval": tuple(surface.rms_height * factor for factor in rolloff.height.interval),
+        "roughness": roughness,
+        "of_profiles": "" if roughness.profiles == 1 else f", mean of {roughness.profiles} profiles",
+        "short": display.quantity(roughness.filter.lambda_s, "given length")
+        if roughness.filter.lambda_s
+        else "none",
+        "sections": "the whole scan" if roughness.sections == 0 else f"{roughness.sections} sections",
     }
     lay = surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None
-    shown = {
+    has_row = {
         "anisotropy": lay,
         "key peklenik": lay,
         "tip radius": surface.tip_radius is not None,
@@ -105,43 +109,44 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
     }
     scans = zip(surface.scans, points, strict=True)
     return [
-        *((scan.name, f"{n} points over {quantity('length', scan.length)}") for scan, n in scans),
-        *worded_rows("surface", **values),
-        *(("  note", text) for text in found.remarks),
+        *((scan.name, f"{n} points over {display.quantity(scan.length, 'length')}") for scan, n in scans),
+        *worded_rows(display, "surface", **values),
+        *(("  note", text) for text in roughness.remarks),
         *worded_rows(
+            display,
             "surface_spectrum",
-            without=[name for name, there in shown.items() if not there],
+            without=[name for name, there in has_row.items() if not there],
             lay_angle=None if surface.lay_angle is None else math.degrees(surface.lay_angle),
-            rolloff=_rolloff(surface),
-            hurst=_hurst(surface),
+            rolloff=_rolloff(display, surface),
+            hurst=_hurst(display, surface),
             wavelengths=tuple(2 * math.pi / q for q in (surface.q_high, surface.q_low)),
             **values,
         ),
     ]
 
 
-def _with_scatter(surface: MeasuredSurface) -> str:
-    text = quantity("length", surface.rms_height)
+def _with_scatter(display: Display, surface: MeasuredSurface) -> str:
+    text = display.quantity(surface.rms_height, "length")
     if len(surface.scans) > 1:
         low, high = min(surface.scan_rms_heights), max(surface.scan_rms_heights)
-        text += f" (scans: {quantity('length', low)} to {quantity('length', high)})"
+        text += f" (scans: {display.quantity(low, 'length')} to {display.quantity(high, 'length')})"
     if surface.height_above > 1e-3:
         text += f", {percent(surface.height_above)} of the variance above the reliable range"
     return text
 
 
-def _rolloff(surface: MeasuredSurface) -> str:
+def _rolloff(display: Display, surface: MeasuredSurface) -> str:
     q = surface.rolloff.wavenumber
     if q is None:
         return "none in the reliable range"
-    return f"q = {number(q)} 1/m, wavelength {quantity('length', 2 * math.pi / q)}"
+    return f"q = {number(q)} 1/m, wavelength {display.quantity(2 * math.pi / q, 'length')}"
 
 
-def _hurst(surface: MeasuredSurface) -> str:
+def _hurst(display: Display, surface: MeasuredSurface) -> str:
     fit = surface.rolloff
     if fit.hurst is None or fit.hurst_interval is None:
         return "not determined: no part of the spectrum is long and clear enough"
-    text = phrase("surface.hurst", "fit", fit=fit)
+    text = say(display, "surface", "hurst_fit", fit=fit)
     return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
 
 
@@ -168,7 +173,7 @@ def write_surface(surface: MeasuredSurface, folder: Path) -> tuple[Path, ...]:
         f"{q!r},{C!r}" for q, C in zip(spectrum.wavenumber.tolist(), spectrum.density.tolist(), strict=True)
     ]
     with style():
-        picture = scan_picture(surface)
+        picture = scan_picture(Display(), surface)
     return (
         write_text(folder / "spectrum.csv", "\n".join(["q [1/m],C [m^4]", *rows]) + "\n"),
         write_text(folder / "surface.json", as_json(surface_numbers(surface)) + "\n"),

@@ -63,7 +63,7 @@ _NUMBER = ".10g"
 _LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
 
 
-def leak_rows(result: SealSolution, *, every: bool = False) -> list[dict[str, Any]]:
+def leak_rows(result: SealSolution, *, all_columns: bool = False) -> list[dict[str, Any]]:
     """Rows of leak.csv, one per load of the case: numbers in SI, NaN where nothing was calculated, and texts.
 
     Reasons are a list, and a load that is not judged has the verdict None.
@@ -71,10 +71,10 @@ def leak_rows(result: SealSolution, *, every: bool = False) -> list[dict[str, An
     Parameters
     ----------
     result : SealSolution
-    every : bool
+    all_columns : bool
         With all columns, also those that do not belong to the case; see `columns_of`.
     """
-    columns = columns_of(result.case, of_profile=result.of_profile, every=every)
+    columns = columns_of(result.case, of_profile=result.of_profile, all_columns=all_columns)
     rows = (_row(columns, load, load.verdict, load.validity) for load in result.loads)
     return in_order(rows, result.missing_loads, lambda load: _missing_row(result.case, load, columns))
 
@@ -83,8 +83,8 @@ def _missing_row(case: Case, load: MissingLoad, columns: Sequence[Column]) -> di
     # the check of a case loads no finite elements
     from fem_seal.answers.verdict import missing_verdict
 
-    judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
-    verdict = missing_verdict(case, load.point, load.problem).verdict if judged else None
+    is_judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
+    verdict = missing_verdict(case, load.point, load.problem).verdict if is_judged else None
     why = why_missing(load.problem)
     return _row(columns, load, verdict, VALID) | dict(
         zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True)
@@ -95,10 +95,10 @@ def _row(
     columns: Sequence[Column], load: AnyLoad, verdict: Verdict | None, validity: Validity
 ) -> dict[str, Any]:
     texts = {"verdict": None if verdict is None else str(verdict), **validity_entries(validity)}
-    return {one.name: texts[one.name] if one.text else one.number(load) for one in columns}
+    return {column.name: texts[column.name] if column.text else column.number(load) for column in columns}
 
 
-def leak_table(result: SealSolution, *, every: bool = False) -> pd.DataFrame:
+def leak_table(result: SealSolution, *, all_columns: bool = False) -> pd.DataFrame:
     """One row per load of the case with the columns that belong to it, SI.
 
     reference/columns in the manual explains them. NaN where nothing was calculated. ``verdict`` is
@@ -109,12 +109,12 @@ def leak_table(result: SealSolution, *, every: bool = False) -> pd.DataFrame:
     Parameters
     ----------
     result : SealSolution
-    every : bool
+    all_columns : bool
         With all columns, also those that do not belong to the case.
     """
     import pandas as pd
 
-    table = pd.DataFrame([with_text(row) for row in leak_rows(result, every=every)])
+    table = pd.DataFrame([with_text(row) for row in leak_rows(result, all_columns=all_columns)])
     return table.astype({name: float for name in table if name not in TEXT_COLUMNS})
 
 
@@ -134,7 +134,10 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
     blocks = []
     for load in result.loads:
         along = np.concatenate(
-            [np.stack([one.x, one.radius, one.pressure, one.gap], 1) for one in load.profiles]
+            [
+                np.stack([profile.x, profile.radius, profile.pressure, profile.gap], 1)
+                for profile in load.profiles
+            ]
         )
         fluid = np.full(len(along), math.nan) if load.gap_pressure is None else load.gap_pressure
         pressure = np.full(len(along), load.fluid_pressure)
@@ -144,9 +147,9 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
     return np.concatenate(blocks)
 
 
-def write_leak_csv(result: SealSolution, path: Path, *, every: bool = False) -> Path:
+def write_leak_csv(result: SealSolution, path: Path, *, all_columns: bool = False) -> Path:
     """Write leak.csv, atomically."""
-    return write_rows(path, leak_rows(result, every=every))
+    return write_rows(path, leak_rows(result, all_columns=all_columns))
 
 
 def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> Path:
@@ -182,8 +185,10 @@ def contact_rows(result: SealSolution) -> CsvTable:
     return CONTACT_COLUMNS, [
         (*load.point, f"{face}{number}", *values)
         for load in result.loads
-        for face, own in zip(("closure", "seat")[-faces:], (load.parts * faces)[:faces], strict=True)
-        for number, values in _lands_of(own, faces, outlet)
+        for face, faces_of_part in zip(
+            ("closure", "seat")[-faces:], (load.parts * faces)[:faces], strict=True
+        )
+        for number, values in _lands_of(faces_of_part, faces, outlet)
     ]
 
 
@@ -198,10 +203,17 @@ def _lands_of(
         yield "", (load.line_load, load.peak_pressure, load.fwhm, *pressures, rate)
         return
     flows = ((math.nan,) * 3,) * len(load.profiles) if leak is None else leak.lands
-    for number, (one, flow) in enumerate(zip(load.profiles, flows, strict=True), start=1):
+    for number, (profile, flow) in enumerate(zip(load.profiles, flows, strict=True), start=1):
         inner, outer, rate = flow
         ends = sorted((outlet + inner, outlet + outer), reverse=True)
-        values = (one.moment(0), float(one.pressure.max()), one.fwhm, ends[0], ends[1], rate / faces)
+        values = (
+            profile.moment(0),
+            float(profile.pressure.max()),
+            profile.fwhm,
+            ends[0],
+            ends[1],
+            rate / faces,
+        )
         yield f" {number}", values
 
 
@@ -230,8 +242,8 @@ def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
         {
             "fluid_pressure": load.fluid_pressure,
             **{name: getattr(load.leak, name) for name in _LEAKAGE},
-            "classes": {one.standard: one.name for one in classes},
-            "classes_at_best": {one.standard: one.at_best or one.name for one in classes},
+            "classes": {leakage_class.standard: leakage_class.name for leakage_class in classes},
+            "classes_at_best": {grade.standard: grade.at_best or grade.name for grade in classes},
             "nominal_size": size,
             "validity": str(load.validity.level),
         }
@@ -243,6 +255,6 @@ def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
 
 def standards_used(result: SealSolution) -> list[Standard]:
     """The standards whose classes the leak rates are given, and that which is required."""
-    named = [one.standard for load in result.loads for one in leakage_classes(result.case, load)]
+    named = [grade.standard for load in result.loads for grade in leakage_classes(result.case, load)]
     required = result.case.requirement and result.case.requirement.standard_and_class
     return [STANDARDS[name] for name in dict.fromkeys([*named, *(required or ())[:1]])]

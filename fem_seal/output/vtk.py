@@ -76,13 +76,13 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     def line_of(load: CaseLoad, height: Callable[[FloatArray], FloatArray]) -> _Line:
         profiles = load.profiles
         x, radius, pressure, gap = (
-            np.concatenate([getattr(one, name) for one in profiles])
+            np.concatenate([getattr(profile, name) for profile in profiles])
             for name in ("x", "radius", "pressure", "gap")
         )
         data = {"x_m": x, "contact_pressure_Pa": pressure, "gap_m": gap}
         if load.gap_pressure is not None:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
-        return _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles], data
+        return _in_space(np.column_stack([radius, height(x)])), [len(profile.x) for profile in profiles], data
 
     def write_load(load: CaseLoad, path: Path) -> Path:
         lines = list(map(line_of, load.parts, heights))
@@ -169,9 +169,9 @@ def _around_the_axis(
     load: CaseLoad, around: Circumference, height: Callable[[FloatArray], FloatArray]
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], dict[str, NDArray[np.float32]]]:
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
-    every = math.ceil(len(around.angle) / _ANGLES)
-    pressure, gap = around.pressure_and_gap(every)
-    line, angle = around.local.mean.model.line, around.angle[::every]
+    step = math.ceil(len(around.angle) / _ANGLES)
+    pressure, gap = around.pressure_and_gap(step)
+    line, angle = around.local.mean.model.line, around.angle[::step]
     shape = pressure.shape
     r, z = line.radius, height(line.x)
     points = np.stack(
@@ -184,13 +184,13 @@ def _around_the_axis(
     data = {"x_m": line.x, "contact_pressure_Pa": pressure, "gap_m": gap}
     of_angle = {
         "angle_rad": angle,
-        "gap_change_m": around.gap_change[::every],
-        "local_line_load_N_per_m": around.line_load[::every],
+        "gap_change_m": around.gap_change[::step],
+        "local_line_load_N_per_m": around.line_load[::step],
     }
-    read = {"": load, **{f"_{name}": one for name, one in load.others.items()}}
-    for name, one in read.items():
-        if one.around is not None and one.around.leak_rate is not None:
-            of_angle[f"leak_rate{name}_m3_per_s_per_rad"] = one.around.leak_rate[::every]
+    read = {"": load, **{f"_{name}": scenario for name, scenario in load.others.items()}}
+    for name, values in read.items():
+        if values.around is not None and values.around.leak_rate is not None:
+            of_angle[f"leak_rate{name}_m3_per_s_per_rad"] = values.around.leak_rate[::step]
     data |= {name: values[:, None] for name, values in of_angle.items()}
     with np.errstate(under="ignore"):
         single = {
@@ -268,8 +268,8 @@ def _mid_planes(result: SealSolution) -> list[float]:
     """Height of the mid-plane of a gasket in its upper and in its lower half [m]; empty of any other seal."""
     if result.problem.faces == 1:
         return []
-    found = [part.seal_mesh.contact.seat.extent[1][0] for part in result.parts]
-    return [found[0], found[-1]]
+    planes = [part.seal_mesh.contact.seat.extent[1][0] for part in result.parts]
+    return [planes[0], planes[-1]]
 
 
 def _on_level(points: FloatArray, level: float) -> NDArray[np.bool_]:
@@ -312,8 +312,8 @@ def _image(body: BodyField, level: float, own: float) -> BodyField:
 
 def _temperature(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
     """Temperature of both bodies; nothing where it is not given."""
-    known = [body.temperature for body in bodies if body.temperature is not None]
-    return {"temperature_K": np.concatenate(known)} if len(known) == len(bodies) else {}
+    temperatures = [body.temperature for body in bodies if body.temperature is not None]
+    return {"temperature_K": np.concatenate(temperatures)} if len(temperatures) == len(bodies) else {}
 
 
 def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 from fem_seal.contact.load_path import Leave
 from fem_seal.contact.model import ContactModel
@@ -25,9 +25,6 @@ from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_load
 from fem_seal.seal.problem import Loads, SealProblem, size_mesh
 from fem_seal.seal.sources import OWN_BODIES, NeighbourSource, Source
 from meshes import MeshingError, SealMesh
-
-if TYPE_CHECKING:
-    pass
 
 T = TypeVar("T")
 Q = TypeVar("Q")

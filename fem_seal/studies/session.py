@@ -26,7 +26,7 @@ from fem_seal.studies.work import DesignSpec, check_unchanged, chunks
 from fem_seal.studies.worker_pool import RESUME_HINT, Workers
 from fem_seal.units import duration
 from fem_seal.version import __version__
-from fem_seal.wording import phrase
+from fem_seal.wording import say
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -89,7 +89,7 @@ def run_study(
         if row is not None:
             with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
                 store.write([row])
-        progress.note(phrase("studies.notes", "stuck", kept=RESUME_HINT))
+        progress.note(say(study.case.display, "studies", "notes_stuck", kept=RESUME_HINT))
         progress.end()
         leave()
 
@@ -133,7 +133,7 @@ def _move_former_results(study: StudyPlan, path: Path, progress: Progress) -> No
     for end in ("", "-wal", "-shm"):
         if (part := path.with_name(path.name + end)).exists():
             part.replace(new_path.with_name(new_path.name + end))
-    progress.note(phrase("studies.notes", "set_aside", name=new_path.name))
+    progress.note(say(study.case.display, "studies", "notes_set_aside", name=new_path.name))
 
 
 def _calculate(study: StudyPlan, store: Store, pool: Pool, progress: Progress) -> None:
@@ -146,7 +146,9 @@ def _calculate(study: StudyPlan, store: Store, pool: Pool, progress: Progress) -
         rows_before = store.size
         store.set_design((spec.key(point) for point in study.points), **about)
         if rows_before and store.counts()["open"] == len(study.points):
-            progress.note(phrase("studies.notes", "none_known", held=rows_before, version=__version__))
+            progress.note(
+                say(study.case.display, "studies", "notes_none_known", held=rows_before, version=__version__)
+            )
         _fill(spec, store, pool, study, progress)
 
 
@@ -156,7 +158,7 @@ def _fill(spec: DesignSpec, store: Store, pool: Pool, study: StudyPlan, progress
     seconds = counts["open"] * design_seconds(spec.case, spec.columns)
     if seconds > _WORTH_TELLING:
         each, whole = duration(seconds / counts["open"]), duration(seconds)
-        progress.note(phrase("studies.notes", "expected", each=each, all=whole))
+        progress.note(say(study.case.display, "studies", "notes_expected", each=each, all=whole))
     progress.begin(len(study.points), count)
     todo = chunks(spec, study.points)
     try:
@@ -243,7 +245,7 @@ def _keep_fields(
     for number in numbers:
         key, place = store.key(number), folder / "designs" / f"{number:06d}"
         if key is None:
-            progress.note(phrase("studies.notes", "not_to_keep", number=number))
+            progress.note(say(study.case.display, "studies", "notes_not_to_keep", number=number))
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
@@ -259,7 +261,15 @@ def _keep_fields(
             with end_after(limit, stuck=stuck):
                 run(study.case.replace_written(changes)).write(place)
         except OvertimeError:
-            progress.note(phrase("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
+            progress.note(
+                say(
+                    study.case.display,
+                    "studies",
+                    "notes_not_kept",
+                    number=number,
+                    reason=overtime_reason(limit),
+                )
+            )
             continue
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
 

@@ -14,8 +14,8 @@ from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.answers.answer import Request
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
-from fem_seal.output.shown import Tile
-from fem_seal.output.shown_answers import pages_of
+from fem_seal.output.answer_output import Tile
+from fem_seal.output.answer_outputs import pages_of
 from fem_seal.result import SealResult
 from leak import Reading
 

@@ -12,7 +12,7 @@ import leak
 from fem_seal.case.roughness import read_spectrum
 from fem_seal.cli import app as cli
 from fem_seal.output.surface import surface_lines, surface_numbers
-from fem_seal.units import number
+from fem_seal.units import Display, number
 
 SCAN = EXAMPLES / "seat_scan.csv"
 
@@ -110,7 +110,7 @@ def test_the_case_key_of_the_lay_is_printed_for_both_directions():
     true = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=6e4, q_high=1e6)
     heights = leak.random_map(true, size=4e-3, points=512, seed=1, peklenik=3.0)
     surface = leak.measure(leak.height_map(heights, (4e-3 / 512,) * 2))
-    lines = dict(surface_lines(surface))
+    lines = dict(surface_lines(Display(), surface))
     across, along = (number(one) for one in surface.peklenik)
     assert float(across) < 1 < float(along)
     assert lines["key peklenik"] == (

@@ -8,9 +8,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.leakage_class import is_flange, seal_length, volume_of
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, worded_section
 from fem_seal.output.answers.target import target_text
 from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
-from fem_seal.output.shown import AnswerPage, Shown, Tile, worded_section
 from fem_seal.seal.load_result import load_name
 from fem_seal.wording import say, say_all
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 
 def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
     """The bolts at the load with the highest fluid pressure."""
-    load, found = result.highest, result.bolts
+    load, bolts = result.highest, result.bolts
     state, at = load.bolts, load_name(load, result.loads)
-    assert found is not None and state is not None  # of all who ask
-    heat = found.bolts.thermal_force / found.bolts.number
-    yield from say_all(display, "bolts", "state", load=at, bolts=found.bolts, state=state, heat=heat)
+    assert bolts is not None and state is not None  # of all who ask
+    heat = bolts.bolts.thermal_force / bolts.bolts.number
+    yield from say_all(display, "bolts", "state", load=at, bolts=bolts.bolts, state=state, heat=heat)
     if load.at_preload_ends is not None:
         volume = volume_of(result.case)
         ends = display.leak_range(load.at_preload_ends, 2, volume=volume)
-        scatter = {"share": found.bolts.scatter, "opens": math.isinf(load.at_preload_ends[1])}
-        yield say(display, "bolts", "scatter", load=at, ends=ends, gas=volume.state, **scatter)
+        scatter = {"share": bolts.bolts.scatter, "opens": math.isinf(load.at_preload_ends[1])}
+        yield say(display, "bolts", "scatter", load=at, ends=ends, gas=display.state_of(volume), **scatter)
     if is_flange(result.case) and load.leak_interval is not None:
         assert load.leak is not None and load.leak.mass_flow is not None  # of a gas
         density = load.leak.mass_flow / load.leak.leak_rate if load.leak.leak_rate > 0 else 0.0
@@ -55,10 +55,10 @@ def bolt_table(result: SealSolution) -> ReadableTable:
 
 
 def _numbers(result: SealSolution) -> dict[str, Any] | None:
-    found = result.bolts
-    if found is None:
+    bolts = result.bolts
+    if bolts is None:
         return None
-    return {**asdict(found.bolts), "loads": [asdict(one) for one in found.loads]}
+    return {**asdict(bolts.bolts), "loads": [asdict(load) for load in bolts.loads]}
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -71,13 +71,11 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     return AnswerPage(
         tiles=[Tile("Preload of the bolts", preload, say(display, "bolts", "torque", state=load.bolts), 25)],
         why=[say(display, "bolts", "carried", load=at, state=load.bolts)],
-        section=worded_section("bolts", sentences, bolt_table(result)),
+        section=worded_section(display, "bolts", sentences, bolt_table(result)),
         details=sentences,
     )
 
 
-SHOWN = Shown(
-    lambda result: result.bolts,
-    summary=lambda result: {"bolts": _numbers(result)},
-    page=_page,
+OUTPUT = AnswerOutput(
+    lambda result: result.bolts, summary=lambda result: {"bolts": _numbers(result)}, page=_page
 )

@@ -9,10 +9,10 @@ import numpy as np
 
 from fem_seal.answers.closed_forms import derive_beside
 from fem_seal.contact.solution import PlasticZone, yielding_of
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, decisive
 from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import in_words
-from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive
 from fem_seal.wording import say
 
 if TYPE_CHECKING:
@@ -29,20 +29,18 @@ PEAK = "Peak contact pressure"
 def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Tile]:
     level = load.validity.of_contact.level
     land = hardest_land(load, display) if len(load.profiles) > 1 else ""
-    peak, mean = (
-        in_words(load, "peak_pressure_Pa"),
-        load.circumference is not None and load.circumference.form.felt_waves,
-    )
+    peak = in_words(display, load, "peak_pressure_Pa")
+    mean = load.circumference is not None and load.circumference.form.felt_waves
     if mean:
         remark = say(display, "contact", "around", peak=peak)
-        yield Tile(PEAK, in_words(load, "peak_pressure_max_Pa"), remark, 60, level)
+        yield Tile(PEAK, in_words(display, load, "peak_pressure_max_Pa"), remark, 60, level)
     else:
         yield Tile(PEAK, peak, land, 60, level)
-    yield Tile("Width at half maximum", in_words(load, "fwhm_m"), land, 70, level)
+    yield Tile("Width at half maximum", in_words(display, load, "fwhm_m"), land, 70, level)
     if not load.of_profile:
         body = result.case.label_of(load.max_von_mises_at[0])
         where = say(display, "contact", "stress", body=body, mean=mean)
-        yield Tile("Largest stress", in_words(load, "max_von_mises_Pa"), where, 90, level)
+        yield Tile("Largest stress", in_words(display, load, "max_von_mises_Pa"), where, 90, level)
     if result.imprints:
         name, imprint = max(result.imprints.items(), key=lambda item: item[1].deepest)
         # with the accuracy of the width of the contact
@@ -69,7 +67,7 @@ def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str
 
 def _width_reason(result: SealSolution, display: Display, load: CaseLoad) -> str:
     hertz = derive_beside(result).loads[result.loads.index(load)].hertz
-    peak, width = in_words(load, "peak_pressure_Pa"), in_words(load, "fwhm_m")
+    peak, width = in_words(display, load, "peak_pressure_Pa"), in_words(display, load, "fwhm_m")
     if hertz is None:
         return say(display, "contact", "width", kind="conforming", peak=peak, width=width)
     smooth = result.case.interface.law == "smooth"
@@ -103,7 +101,7 @@ def history(result: SealSolution, display: Display) -> list[str]:
     result : SealSolution
     display : Display
     """
-    earlier = earlier_load(result.case.load)
+    earlier = earlier_load(display, result.case.load)
     remembers = any(load.remembers for load in result.loads)
     if earlier:
         kind = "remembers" if remembers or result.unloaded_bodies else "forgets"
@@ -118,10 +116,8 @@ def history(result: SealSolution, display: Display) -> list[str]:
 def _page(result: SealSolution, display: Display) -> AnswerPage:
     load, before = decisive(result), history(result, display)
     return AnswerPage(
-        tiles=[*_tiles(result, display, load)],
-        why=[*_why(result, display, load), *before],
-        details=before,
+        tiles=[*_tiles(result, display, load)], why=[*_why(result, display, load), *before], details=before
     )
 
 
-SHOWN = Shown(page=_page)
+OUTPUT = AnswerOutput(page=_page)

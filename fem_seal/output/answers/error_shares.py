@@ -9,11 +9,19 @@ from operator import itemgetter
 from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
 from fem_seal.answers.solution import SealSolution
+from fem_seal.output.answer_output import (
+    AnswerOutput,
+    AnswerPage,
+    Tile,
+    decisive,
+    prose,
+    worded_section,
+    worded_table,
+)
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, prose, worded_section, worded_table
 from fem_seal.seal.load_result import highest_load, load_name
 from fem_seal.units import format_digits, percent
-from fem_seal.wording import filled, phrase
+from fem_seal.wording import fill, say
 
 # Sources of error are named from this factor of the interval on; their largest number, and smallest share.
 _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
@@ -44,13 +52,14 @@ def shares_in_brief(result: SealSolution, number: int) -> str:
     number : int
         Of the load.
     """
-    found = _of_load(result, number)
-    if found is None or found.factor < _NARROW or len(found.of_width) < 2:
+    display = result.display
+    sources = _of_load(result, number)
+    if sources is None or sources.factor < _NARROW or len(sources.of_width) < 2:
         return ""
-    named = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
+    named = [(name, share) for name, share in list(sources.of_width.items())[:_NAMED] if share >= _LEAST]
     shares = ", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in named)
     at = load_name(result.loads[number], result.loads)
-    return phrase("error_shares.interval", "shares", load=at, factor=found.factor, shares=shares)
+    return say(display, "error_shares", "interval_shares", load=at, factor=sources.factor, shares=shares)
 
 
 def largest_share(result: SealSolution, number: int) -> tuple[str, str] | None:
@@ -62,10 +71,10 @@ def largest_share(result: SealSolution, number: int) -> tuple[str, str] | None:
     number : int
         Of the load.
     """
-    found = _of_load(result, number)
-    if found is None or found.factor < _NARROW or not found.of_width:
+    sources = _of_load(result, number)
+    if sources is None or sources.factor < _NARROW or not sources.of_width:
         return None
-    name, share = next(iter(found.of_width.items()))
+    name, share = next(iter(sources.of_width.items()))
     return input_name(name), percent(share, 1)
 
 
@@ -78,14 +87,17 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
     number : int
         Of the load.
     """
-    found = _of_load(result, number)
+    display = result.display
+    sources = _of_load(result, number)
     what, left = min(
-        [] if found is None else _measurements_worth_it(result, found), key=itemgetter(1), default=("", 0.0)
+        [] if sources is None else _measurements_worth_it(result, sources),
+        key=itemgetter(1),
+        default=("", 0.0),
     )
-    if not what or found is None:
+    if not what or sources is None:
         return ""
     at = load_name(result.loads[number], result.loads)
-    return phrase("error_shares.interval", "measure", what=what, left=left, now=found.factor, at=at)
+    return say(display, "error_shares", "interval_measure", what=what, left=left, now=sources.factor, at=at)
 
 
 def _of_load(result: SealSolution, number: int) -> ErrorShares | None:
@@ -96,42 +108,51 @@ def _of_highest_load(result: SealSolution) -> ErrorShares | None:
     return _of_load(result, highest_load(result.loads))
 
 
-def _measurements_worth_it(result: SealSolution, found: ErrorShares) -> Iterator[tuple[str, float]]:
+def _measurements_worth_it(result: SealSolution, sources: ErrorShares) -> Iterator[tuple[str, float]]:
     """Measurements that are worth it with the factor that each leaves: profiles of a finish first, a leak test last."""
-    worth = [one for one in found.measurements if one.left and one.left * _NARROWER <= found.factor]
+    display = result.display
+    worth = [
+        method for method in sources.measurements if method.left and method.left * _NARROWER <= sources.factor
+    ]
     best: dict[str, Measurement] = {}
-    for one in worth:
-        best.setdefault(one.instrument, one)
-    profiles, test = found.by_profiles, best.pop(LEAK_TEST, None)
+    for measurement in worth:
+        best.setdefault(measurement.instrument, measurement)
+    profiles, test = sources.by_profiles, best.pop(LEAK_TEST, None)
     if profiles is not None:
         best.pop("line_scan", None)
-        if profiles.left * _NARROWER <= found.factor:
-            yield phrase("error_shares.measurement", "profiles", profiles=profiles), profiles.left
-    for one in list(best.values())[: _INSTRUMENTS - (profiles is not None)]:
-        yield phrase("error_shares.measurement", "input", **_words(result, one)), float(one.left or 0.0)
+        if profiles.left * _NARROWER <= sources.factor:
+            yield (say(display, "error_shares", "measurement_profiles", profiles=profiles), profiles.left)
+    for measurement in list(best.values())[: _INSTRUMENTS - (profiles is not None)]:
+        yield (
+            say(display, "error_shares", "measurement_input", **_words(result, measurement)),
+            float(measurement.left or 0.0),
+        )
     # that at a lower load says more than it seems to
-    tests = [one for one in worth if one.instrument == LEAK_TEST]
+    tests = [measurement for measurement in worth if measurement.instrument == LEAK_TEST]
     if test is not None:
-        test = min(tests, key=lambda one: result.loads[one.at or 0].point)
-        yield phrase("error_shares.measurement", "leak_test", **_words(result, test)), float(test.left or 0.0)
+        test = min(tests, key=lambda measurement: result.loads[measurement.at or 0].point)
+        yield (
+            say(display, "error_shares", "measurement_leak_test", **_words(result, test)),
+            float(test.left or 0.0),
+        )
 
 
-def _words(result: SealSolution, one: Measurement) -> dict[str, str]:
+def _words(result: SealSolution, measurement: Measurement) -> dict[str, str]:
     """A measurement in words: what, with which instrument, how well, and who says so."""
-    table = instruments()[one.instrument]
+    table = instruments()[measurement.instrument]
     scan = None if result.case.roughness is None else line_scans(result.case.roughness)
     length = {} if scan is None else {"length": scan.length}
-    load = "" if one.at is None else load_name(result.loads[one.at], result.loads)
-    accurate = {input_name(name): percent(value, 1) for name, value in one.accuracy.items()}
+    load = "" if measurement.at is None else load_name(result.loads[measurement.at], result.loads)
+    accurate = {input_name(name): percent(value, 1) for name, value in measurement.accuracy.items()}
     first, *others = [f"{name} to {accuracy}" for name, accuracy in accurate.items()]
     return {
         "load": load,
         "what": ", ".join(accurate) + (f" at {load}" if load else ""),
         "measured": " and ".join([first.replace(" to ", " measured to "), *others]),
-        "instrument": filled(table["instrument"], length),
+        "instrument": fill(result.display, table["instrument"], **length),
         "accuracy": ", ".join(accurate.values()),
         "source": table["source"],
-        "after": "cannot be told" if one.left is None else format_digits(one.left, 2),
+        "after": "cannot be told" if measurement.left is None else format_digits(measurement.left, 2),
     }
 
 
@@ -142,9 +163,11 @@ def measurement_table(result: SealSolution) -> ReadableTable:
     ----------
     result : SealSolution
     """
-    found = _of_highest_load(result)
-    rows = [] if found is None else [_words(result, one) for one in found.measurements]
-    return worded_table("measurements", rows, now="" if found is None else format_digits(found.factor, 2))
+    sources = _of_highest_load(result)
+    rows = [] if sources is None else [_words(result, measurement) for measurement in sources.measurements]
+    return worded_table(
+        result.display, "measurements", rows, now="" if sources is None else format_digits(sources.factor, 2)
+    )
 
 
 def _page(result: SealSolution) -> AnswerPage:
@@ -157,13 +180,13 @@ def _page(result: SealSolution) -> AnswerPage:
         tiles.append(
             Tile("Main uncertainty", share, f"{name}, share of the interval", 35, load.validity.level)
         )
-    section = worded_section("measurements", (), measurement_table(result))
+    section = worded_section(result.display, "measurements", (), measurement_table(result))
     return AnswerPage(tiles=tiles, decides=decides, section=section, details=decides)
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.error_shares,
-    summary=lambda result: {"error_shares": [asdict(one) for one in result.error_shares]},
+    summary=lambda result: {"error_shares": [asdict(shares) for shares in result.error_shares]},
     absent={"error_shares": []},
     page=lambda result, display: (
         _page(result) if any(shares.is_telling for shares in result.error_shares) else AnswerPage()

@@ -11,8 +11,8 @@ import numpy as np
 
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, by_scenario, worded_section, worded_table
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.shown import AnswerPage, Shown, by_scenario, worded_section, worded_table
 from fem_seal.output.tables import AROUND_COLUMNS
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_name
@@ -54,14 +54,17 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
     load = result.highest
     at = load_name(load, result.loads)
     if load.leak is not None and load.leak_round is not None:
-        own, as_round = (
+        as_calculated, as_round = (
             [leak.leak_rate for leak in leaks if leak is not None]
             for leaks in zip(
                 *((read.leak, read.leak_round) for read in (load, *load.others.values())), strict=True
             )
         )
-        rate, of_round = (_rate(load, display, *rates, beside=(*own, *as_round)) for rates in (own, as_round))
-        state = volume_of(result.case).state
+        rate, of_round = (
+            _rate(load, display, *rates, compared_rates=(*as_calculated, *as_round))
+            for rates in (as_calculated, as_round)
+        )
+        state = display.state_of(volume_of(result.case))
         yield from say_all(display, "form", "leak", load=at, rate=rate, round=of_round, state=state)
     yield from say_all(display, "form", "worst", answers=answers, load=at)
     if load.circumference is not None and load.circumference.form.felt_waves:
@@ -80,11 +83,13 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
         yield say(display, "form", "goes_round", share=answers.goes_round, load=at)
 
 
-def _rate(load: CaseLoad, display: Display, *rates: float | None, beside: Sequence[float] = ()) -> str:
-    """One leak rate, or the ends of several, in the common unit with `beside`."""
+def _rate(
+    load: CaseLoad, display: Display, *rates: float | None, compared_rates: Sequence[float] = ()
+) -> str:
+    """One leak rate, or the ends of several, in the common unit with `compared_rates`."""
     ends, claimed = Bounds.of(rate for rate in rates if rate is not None), not load.validity.outside_theory
     rate = ends if ends.is_range else ends.low
-    return display.leak_range(rate, load.leak_digits, claimed=claimed, beside=beside)
+    return display.leak_range(rate, load.leak_digits, claimed=claimed, beside=compared_rates)
 
 
 def _size(answers: FormAnswers, display: Display) -> str:
@@ -92,7 +97,7 @@ def _size(answers: FormAnswers, display: Display) -> str:
     allowed = answers.allowed
     assert allowed is not None  # of all who ask
     # of a round seal that leaks too much there is none
-    sizes = [one.factor for one in (allowed, *answers.allowed_others.values())]
+    sizes = [allowed_form.factor for allowed_form in (allowed, *answers.allowed_others.values())]
     least, most = sorted((sizes[0], sizes[-1]), key=lambda size: -1.0 if size is None else size)
     if least is not None and math.isinf(least):
         return ""
@@ -108,11 +113,13 @@ def _name_of_limit(allowed: AllowedForm) -> str:
 
 def _zones(answers: FormAnswers) -> list[float]:
     """Tolerance on the drawing by both bounds of yielding, the smaller first [m]; empty if there is no limit for it."""
-    known = [one.zone for one in (answers.allowed, *answers.allowed_others.values()) if one is not None]
-    zones = sorted(zone for zone in known if zone is not None)
+    zones_of_bounds = [
+        zone.zone for zone in (answers.allowed, *answers.allowed_others.values()) if zone is not None
+    ]
+    zones = sorted(zone for zone in zones_of_bounds if zone is not None)
     # by a bound by which even the round seal leaks too much there is none
-    every = len(zones) == len(known) > 0
-    return [_down(zone) for zone in zones] if every and math.isfinite(zones[0]) else []
+    complete = len(zones) == len(zones_of_bounds) > 0
+    return [_down(zone) for zone in zones] if complete and math.isfinite(zones[0]) else []
 
 
 def _zone(answers: FormAnswers, load: CaseLoad, display: Display) -> str:
@@ -130,11 +137,11 @@ def _zone(answers: FormAnswers, load: CaseLoad, display: Display) -> str:
 
 def _scratches(answers: FormAnswers, load: CaseLoad, display: Display) -> list[str]:
     added = [read.around.scratches for read in (load, *load.others.values()) if read.around is not None]
-    known = [bounds for bounds in added if bounds is not None]
-    if not known:
+    intervals = [bounds for bounds in added if bounds is not None]
+    if not intervals:
         return []
-    every = [end for ends in known for end in ends]
-    low, high = (_rate(load, display, *ends, beside=every) for ends in zip(*known, strict=True))
+    rates = [end for ends in intervals for end in ends]
+    low, high = (_rate(load, display, *ends, compared_rates=rates) for ends in zip(*intervals, strict=True))
     deepest = None if answers.deepest_scratch is None else [*map(_down, answers.deepest_scratch)]
     return say_all(display, "form", "scratches", low=low, high=high, deepest=deepest)
 
@@ -148,7 +155,7 @@ def _down(value: float) -> float:
 
 
 def _of_point(result: SealSolution, point: FormPoint | WaveAlone) -> str:
-    rates, display = (point.leak_rate, *point.others.values()), result.case.display
+    rates, display = (point.leak_rate, *point.others.values()), result.display
     return "–" if point.leak_rate is None else _rate(result.highest, display, *rates)
 
 
@@ -158,6 +165,7 @@ def curve_table(result: SealSolution) -> ReadableTable:
     felt = answers is not None and load.circumference is not None and load.circumference.form.felt_waves
     points = answers.curve if answers is not None and felt else ()
     return worded_table(
+        result.display,
         "form_curve",
         [{"point": point, "leak_rate": _of_point(result, point)} for point in points],
         without=() if any(point.leak_rate is not None for point in points) else ("leak rate",),
@@ -168,7 +176,7 @@ def waves_table(result: SealSolution) -> ReadableTable:
     """Each wave of the form error alone, the worst first; no rows for a single wave."""
     waves = () if result.form is None else result.form.waves
     rows = [{"wave": wave, "leak_rate": _of_point(result, wave)} for wave in waves]
-    return worded_table("form_waves", rows if len(rows) > 1 else ())
+    return worded_table(result.display, "form_waves", rows if len(rows) > 1 else ())
 
 
 def _around(result: SealSolution, display: Display) -> list[str]:
@@ -177,12 +185,12 @@ def _around(result: SealSolution, display: Display) -> list[str]:
     Shown are the load with the highest fluid pressure, and that with the smallest line load, which the form error
     affects most.
     """
-    known = [load for load in result.loads if load.around is not None and load.around.form.felt_waves]
-    if not known:
+    felt = [load for load in result.loads if load.around is not None and load.around.form.felt_waves]
+    if not felt:
         return []
-    weakest = min(known, key=lambda load: load.line_load)
-    shown = dict.fromkeys([result.highest, weakest] if result.highest in known else [weakest])
-    return [sentence for load in shown for sentence in _of_load(load, result, display)]
+    weakest = min(felt, key=lambda load: load.line_load)
+    loads = dict.fromkeys([result.highest, weakest] if result.highest in felt else [weakest])
+    return [sentence for load in loads for sentence in _of_load(load, result, display)]
 
 
 def _of_load(load: CaseLoad, result: SealSolution, display: Display) -> list[str]:
@@ -209,8 +217,8 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
         return AnswerPage()
     first, sentences = tolerance(result, display), list(_sentences(result, answers, display))
     at = load_name(load, result.loads)
-    told = [*uneven, *sentences]
-    section = worded_section("around", told, curve_table(result), waves_table(result), load=at)
+    details = [*uneven, *sentences]
+    section = worded_section(display, "around", details, curve_table(result), waves_table(result), load=at)
     return AnswerPage(first=[first] if first else (), why=uneven[:2], section=section, details=sentences)
 
 
@@ -280,9 +288,13 @@ def _angles_of(load: CaseLoad) -> list[tuple[float | str, ...]]:
     if around is None:
         return []
     angles = len(around.angle)
-    read = (around, *(load.others[one].around if one in load.others else None for one in BESIDE))
+    read = (
+        around,
+        *(load.others[scenario].around if scenario in load.others else None for scenario in BESIDE),
+    )
     leaks = [
-        [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist() for one in read
+        [""] * angles if scenario is None or scenario.leak_rate is None else scenario.leak_rate.tolist()
+        for scenario in read
     ]
     peak = np.where(around.line_load > 0, around.peak_pressure, 0.0)
     numbers = np.column_stack([around.angle, around.line_load, peak, around.fwhm]).tolist()
@@ -290,7 +302,7 @@ def _angles_of(load: CaseLoad) -> list[tuple[float | str, ...]]:
     return [(*both, *row, *rates) for row, *rates in zip(numbers, *leaks, strict=True)]
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.form,
     summary=lambda result: {"form": None if result.form is None else by_scenario(asdict(result.form))},
     absent={"form": None},

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.two_flanges import GasketLoad
-from fem_seal.output.shown import AnswerPage, Shown, worded_section, worded_table
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.load_result import load_name
 from fem_seal.wording import say, say_all
@@ -57,9 +57,15 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
         name = str(row["contact"])
         row["contact"] = result.case.label_of(name) if alike else _FACES.get(name, name)
     meaning = say_all(display, "lands", "meaning_of_lands" if alike else "meaning_of_faces")
-    told, table = [*sentences, *meaning], worded_table("lands", rows)
-    section = worded_section("lands", told, table) if alike else worded_section("faces", told, table)
+    details, table = [*sentences, *meaning], worded_table(display, "lands", rows)
+    section = (
+        worded_section(display, "lands", details, table)
+        if alike
+        else worded_section(display, "faces", details, table)
+    )
     return AnswerPage(why=sentences[:2], section=section, details=sentences)
 
 
-SHOWN = Shown(lambda result: max(len(result.highest.profiles), len(result.highest.parts)) > 1, page=_page)
+OUTPUT = AnswerOutput(
+    lambda result: max(len(result.highest.profiles), len(result.highest.parts)) > 1, page=_page
+)

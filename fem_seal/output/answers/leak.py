@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,25 +12,15 @@ import numpy as np
 from fem_seal.answers.case_load import rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.case.roughness import uncertain_heights
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, decisive
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.variants import has_one_number
 from fem_seal.output.columns import COLUMNS
-from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_values
-from fem_seal.units import (
-    LIQUID,
-    LeakVolume,
-    digits_at_limit,
-    fixed_unit,
-    format_digits,
-    leak_range_text,
-    percent,
-    range_text,
-    unit_for,
-)
+from fem_seal.units import LIQUID, LeakVolume, digits_at_limit, format_digits, percent, range_text
 from fem_seal.validity.checks import FLUID_OPENS
-from fem_seal.wording import phrase, say
+from fem_seal.wording import say
 from leak import CoupledLeakResult, LeakageClass, LeakResult, drops_per_minute
 
 if TYPE_CHECKING:
@@ -47,34 +38,34 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
         return
     case, level, outside = result.case, load.validity.level, load.validity.outside_theory
     volume = volume_of(case)
-    text = leak_range_text(rate_of(load), load.leak_digits, claimed=not outside, volume=volume)
+    text = display.leak_range(rate_of(load), load.leak_digits, claimed=not outside, volume=volume)
     middle, kind = "", "tested" if load.after_test else "finish" if has_finish(case) else "inputs"
     if load.sample_ends is not None and not outside:
-        middle = leak_range_text(usual_rate_of(load), min(load.leak_digits, 2), volume=volume)
-        text = told_after_test(load, volume) if load.after_test else text
+        middle = display.leak_range(usual_rate_of(load), min(load.leak_digits, 2), volume=volume)
+        text = told_after_test(display, load, volume) if load.after_test else text
     elif has_one_number(load) and (ends := separate_ends(load)) is not None:
         digits = min(load.leak_digits, 2)
-        text, middle = (leak_range_text(end, digits, beside=ends, volume=volume) for end in ends)
+        text, middle = (display.leak_range(end, digits, beside=ends, volume=volume) for end in ends)
         kind = "bound"
     at = load_values(load, result.loads)
     yield Tile("Leak rate", text, say(display, "leak", "rate", load=at, middle=middle, kind=kind), 0, level)
     (short, size), classes = class_size(case), leakage_classes(case, load)
-    met = [str(one) for one in classes if one.name]
+    met = [str(leakage_class) for leakage_class in classes if leakage_class.name]
     best = met[0] if met else str(classes[0]) if classes else "none stated"
     remark = say(display, "leak", "classes", size=size, none_stated=not classes)
     yield Tile(f"Leakage class, {short}", best, remark, 20 if result.judgement is None else 55, level)
     if load.leak.leak_rate > 0:
-        units = leakage_text(load, volume).split(" = ")
+        units = leakage_text(display, load, volume).split(" = ")
         others = [amount for amount in units if amount.split(" (")[0] != text]
         if others:
             yield Tile("In other units", others[0], " = ".join(others[1:]), 95, level)
     if load.critical_separation is not None:
-        value, remark = narrowest_point(load)
+        value, remark = narrowest_point(display, load)
         yield Tile("Narrowest point of the leak path", value, "u_c at the peak pressure", 80, level)
 
 
 def sure(case: Case, load: CaseLoad) -> str:
-    """What the interval of a leak rate covers, in one sentence; empty for a single number.
+    """What the interval of a leak rate covers, in one line; empty for a single number.
 
     Parameters
     ----------
@@ -92,10 +83,8 @@ def sure(case: Case, load: CaseLoad) -> str:
         kind, share = uncertain_in_words(case, load), case.sampling.confidence
         also = "both" if load.others else "" if load.flow_error is None else "own"
     elif load.leak_range is not None and (not load.others or has_two_numbers(load)):
-        kind, also = (
-            "bounds" if load.others else "simulated",
-            "own" if max(most, 1.0 / least) > _NOTICED else "",
-        )
+        kind = "bounds" if load.others else "simulated"
+        also = "own" if max(most, 1.0 / least) > _NOTICED else ""
     else:
         kind = "error"
     return say(case.display, "leak", "sure", kind=kind, also=also, share=share)
@@ -143,14 +132,14 @@ def _throttle(display: Display, load: CaseLoad) -> str:
 _NOTICED = 1.05
 
 
-def narrowest_point(load: CaseLoad) -> tuple[str, str]:
+def narrowest_point(display: Display, load: CaseLoad) -> tuple[str, str]:
     """u_c in both readings of yielding asperities, and its name."""
-    known = (one.critical_separation for one in (load, *load.others.values()))
-    ends = Bounds.of(one for one in known if one is not None)
+    separations = (scenario.critical_separation for scenario in (load, *load.others.values()))
+    ends = Bounds.of(separation for separation in separations if separation is not None)
     closed = "calculated as zero" if load.validity.outside_theory else "sealed"
-    unit = unit_for("length", ends[1])
+    unit = display.unit_for("length", ends[1])
     digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
-    low, high = (format_digits(unit.of(one), digits) if one else closed for one in ends)
+    low, high = (format_digits(unit.of(end), digits) if end else closed for end in ends)
     text = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
     both = "" if low == high else ", in both readings of asperities that yield"
     return text, f"critical separation at the peak pressure{both}"
@@ -165,7 +154,7 @@ def separate_ends(load: CaseLoad) -> Bounds | None:
 def has_two_numbers(load: CaseLoad) -> bool:
     """Whether the readings of yielding asperities differ in their shown digits."""
     ends = separate_ends(load)
-    return ends is not None and len({format_digits(one, min(load.leak_digits, 2)) for one in ends}) == 2
+    return ends is not None and len({format_digits(end, min(load.leak_digits, 2)) for end in ends}) == 2
 
 
 def usual_rate_of(load: CaseLoad) -> float | tuple[float, float]:
@@ -188,28 +177,35 @@ def uncertain_in_words(case: Case, load: CaseLoad) -> str:
 
 def yielding_factor(load: CaseLoad) -> tuple[str, str]:
     """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
-    own, never = load.leak, (load.scenario("elastic") or load).leak
-    if own is None or never is None:
+    leak, never = load.leak, (load.scenario("elastic") or load).leak
+    if leak is None or never is None:
         return "", ""
-    low, high = (separate_ends(load) if load.others else None) or (own.leak_rate, own.leak_rate)
+    low, high = (separate_ends(load) if load.others else None) or (leak.leak_rate, leak.leak_rate)
     if not high > 0:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
     if low == 0:
         return format_digits(elastic / high, digits_at_limit(elastic / high, 1.0, digits)), "never_sealed"
     factor = range_text(
-        *(format_digits(one, digits_at_limit(one, 1.0, digits)) for one in (elastic / high, elastic / low))
+        *(
+            format_digits(ratio, digits_at_limit(ratio, 1.0, digits))
+            for ratio in (elastic / high, elastic / low)
+        )
     )
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
 def leakage_text(
-    load: CaseLoad, volume: LeakVolume = LIQUID, rate: float | tuple[float, float] | None = None
+    display: Display,
+    load: CaseLoad,
+    volume: LeakVolume = LIQUID,
+    rate: float | tuple[float, float] | None = None,
 ) -> str:
     """A leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
 
     Parameters
     ----------
+    display : Display
     load : CaseLoad
         With a leak rate.
     volume : LeakVolume
@@ -220,19 +216,21 @@ def leakage_text(
     rate = rate_of(load) if rate is None else rate
     assert load.leak is not None
     if not volume.measurable(rate[1] if isinstance(rate, tuple) else rate):
-        return leak_range_text(rate, claimed=not load.validity.outside_theory, volume=volume)
+        return display.leak_range(rate, claimed=not load.validity.outside_theory, volume=volume)
     if not isinstance(rate, tuple):
         ends = load.leak, load.leak
     elif 0 < load.leak.leak_rate < math.inf:
         ends = load.leak.scaled(rate[0]), load.leak.scaled(rate[1])
     else:
         # a sealed or open seal has no mass flow to scale
-        claimed = not load.validity.outside_theory
-        alone = leak_range_text(rate, load.leak_digits, claimed=claimed, volume=volume)
-        return f"{alone} ({volume.state})" if volume.state else alone
+        alone = display.leak_range(
+            rate, load.leak_digits, claimed=not load.validity.outside_theory, volume=volume
+        )
+        state = display.state_of(volume)
+        return f"{alone} ({state})" if state else alone
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
-    measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
-    columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
+    measured = (end if volume.measurable(end.leak_rate) else end.scaled(0.0) for end in ends)
+    columns = zip(*(_in_units(display, end, volume) for end in measured), strict=True)
     amounts = [
         (format_digits(low, digits), format_digits(high, digits), unit) for (low, unit), (high, _) in columns
     ]
@@ -241,50 +239,53 @@ def leakage_text(
     return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in amounts)
 
 
-def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
-    volumes = fixed_unit("ml/min")
-    if found.throughput is not None:
-        usual = fixed_unit("mbar l/s")
-        yield usual.of(found.throughput), usual.name
-        yield from [(found.throughput, "Pa m³/s")] if usual.name != "Pa m³/s" else []
-        yield volumes.of(found.leak_rate), f"{volumes.name} ({volume.gas})"
+def _gas_state(display: Display, volume: LeakVolume) -> str:
+    """State of a gas, also where leak rates are pressure times volume; empty for a liquid."""
+    return replace(display, throughputs=False).state_of(volume)
+
+
+def _in_units(display: Display, leak: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
+    volumes = display.fixed_unit("ml/min")
+    if leak.throughput is not None:
+        usual = display.fixed_unit("mbar l/s")
+        yield usual.of(leak.throughput), usual.name
+        yield from [(leak.throughput, "Pa m³/s")] if usual.name != "Pa m³/s" else []
+        yield volumes.of(leak.leak_rate), f"{volumes.name} ({_gas_state(display, volume)})"
     else:
-        yield volumes.of(found.leak_rate), volumes.name
-        yield drops_per_minute(found.leak_rate), "drops/min"
-    if found.mass_flow is not None:
-        yield found.mass_flow, "kg/s"
+        yield volumes.of(leak.leak_rate), volumes.name
+        yield drops_per_minute(leak.leak_rate), "drops/min"
+    if leak.mass_flow is not None:
+        yield leak.mass_flow, "kg/s"
 
 
-def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
+def volume_notes(
+    display: Display, volume: LeakVolume, units: Sequence[str], *, unmeasured: bool
+) -> list[str]:
     """Notes below a table of leak rates.
 
     Parameters
     ----------
+    display : Display
     volume : LeakVolume
     units : sequence of str
         Units of the volumes in it.
     unmeasured : bool
         Whether some of them are too small to be measured.
     """
-    found = [phrase("interval.volume", "least", least=volume.least_name)] if unmeasured else []
-    if volume.gas:
+    notes = [say(display, "interval", "volume_least", least=volume.least_name)] if unmeasured else []
+    if state := _gas_state(display, volume):
         # pressure times volume, two words, has no state
         volumes = [unit for unit in dict.fromkeys(units) if " " not in unit]
-        found += [phrase("interval.volume", "column", unit=unit, state=volume.gas) for unit in volumes]
-    return found
-
-
-def volumes_of_gas(gas: bool) -> str:
-    """State of gas volumes where the temperature differs from row to row, " (...)"; empty for a liquid."""
-    return f" ({phrase('interval.volume', 'heading')})" if gas else ""
+        notes += [say(display, "interval", "volume_column", unit=unit, state=state) for unit in volumes]
+    return notes
 
 
 def classes_in_words(classes: Sequence[LeakageClass]) -> str:
     """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"; "not claimed" outside the theory."""
     if not classes:
         return "not claimed"
-    met = [str(one) for one in classes if one.name]
-    missed = [str(one) for one in classes if not one.name]
+    met = [str(leakage_class) for leakage_class in classes if leakage_class.name]
+    missed = [str(leakage_class) for leakage_class in classes if not leakage_class.name]
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
@@ -300,7 +301,9 @@ def judged_as(case: Case, load: CaseLoad) -> str:
     if is_flange(case):
         return ""
     fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
-    return phrase("interval.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
+    if fluid:
+        return say(case.display, "interval", "classes_test_fluid", fluid=fluid, ratio=tuple(sorted(ratio)))
+    return ""
 
 
 def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list[str]:
@@ -315,17 +318,17 @@ def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list
     """
     if load.leak is None:
         return []
-    found = load.validity
-    doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
-    why = ", because the leak rate is outside the theory" if found.outside_theory else ""
-    tested, covered = "" if found.outside_theory else judged_as(case, load), sure(case, load)
+    validity = load.validity
+    doubt = f" ({validity.level}: {validity.reasons[0]})" if validity.reasons else ""
+    why = ", because the leak rate is outside the theory" if validity.outside_theory else ""
+    tested, covered = "" if validity.outside_theory else judged_as(case, load), sure(case, load)
     classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
-    at, told = load_values(load, loads), leakage_text(load, volume)
-    if load.after_test and not found.outside_theory:
-        at, told = f"{at} after the leak test", told_after_test(load, volume, told)
+    at, rate = load_values(load, loads), leakage_text(case.display, load, volume)
+    if load.after_test and not validity.outside_theory:
+        at, rate = f"{at} after the leak test", told_after_test(case.display, load, volume, rate)
     return [
-        f"Leak rate at {at}: {told}{doubt}",
-        *([f"  {covered}"] if covered else []),
+        f"Leak rate at {at}: {rate}{doubt}",
+        *([f"  {covered}."] if covered else []),
         *([f"  {_as_given(case, load)}"] if load.sample_ends is not None else []),
         f"Leakage class for {class_size(case)[1]}: {classes}{why}",
         *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
@@ -335,9 +338,9 @@ def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list
 def _as_given(case: Case, load: CaseLoad) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
-    rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
+    rate = leakage_text(case.display, load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
     finish, inputs = ("tested_finish", "tested_inputs") if load.after_test else ("finish", "inputs")
-    return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)
+    return say(case.display, "interval", f"as_given_{finish if has_finish(case) else inputs}", rate=rate)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -350,4 +353,4 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     )
 
 
-SHOWN = Shown(page=_page)
+OUTPUT = AnswerOutput(page=_page)

@@ -11,13 +11,12 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT_SHARE, ParticleAnswers, answers_of
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, worded_section, worded_table
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, ORANGE
 from fem_seal.output.pictures.style import NARROW, Picture, captioned, label, panels
-from fem_seal.output.shown import AnswerPage, Shown, Tile, worded_section, worded_table
 from fem_seal.output.tables import PARTICLE_COLUMNS
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import unit_for
 from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
@@ -32,14 +31,14 @@ def _sentences(result: SealSolution, answers: ParticleAnswers, display: Display)
     yield _narrow(result, answers, display)
     keeping = answers.keeping_filter or ()
     two = len({display.quantity(size, "length 2") for size in keeping}) > 1
-    yield from say_all(display, "particles", "filters", found=answers, lost=1.0 - KEPT_SHARE, two=two)
+    yield from say_all(display, "particles", "filters", answers=answers, lost=1.0 - KEPT_SHARE, two=two)
     fluid = result.case.fluid
     assert fluid is not None and fluid.particles is not None  # the answers are about them
     size, narrowest = fluid.particles.counts.sizes[0], answers.narrowest[0]
     count = tuple(number * _PER_ML for number in answers.stopped)
     yield from say_all(display, "particles", "stopped", count=count, size=size, narrowest=narrowest)
     if math.isfinite(answers.half_volume[0]):
-        yield say(display, "particles", "decay", found=answers)
+        yield say(display, "particles", "decay", answers=answers)
     around = result.highest.around
     scratches = around is not None and around.scratches is not None
     yield from say_all(display, "particles", "estimate", scratches=scratches)
@@ -57,12 +56,14 @@ def particle_table(result: SealSolution) -> ReadableTable:
     ----------
     result : SealSolution
     """
-    answers, state = answers_of(result.highest, result.particles), volume_of(result.case).state
+    display, answers = result.display, answers_of(result.highest, result.particles)
+    state = display.state_of(volume_of(result.case))
     return worded_table(
+        display,
         "particles",
         [
-            {"one": one, "per_ml": tuple(count * _PER_ML for count in one.particles)}
-            for one in (answers.curve if answers is not None else ())
+            {"point": point, "per_ml": tuple(count * _PER_ML for count in point.particles)}
+            for point in (answers.curve if answers is not None else ())
         ],
         state=f" (gas at {state})" if state else "",
         digits=min(result.highest.leak_digits, 2),
@@ -78,8 +79,8 @@ def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
     """
     load = answers.fluid_pressure, answers.applied_force
     return [
-        (*load, one.size, *one.gaps_below, *one.leak_rate, *one.remaining, *one.particles)
-        for one in answers.curve
+        (*load, point.size, *point.gaps_below, *point.leak_rate, *point.remaining, *point.particles)
+        for point in answers.curve
     ]
 
 
@@ -93,13 +94,13 @@ def particle_picture(result: SealSolution) -> Picture | None:
     answers = answers_of(result.highest, result.particles)
     if answers is None:
         return None
-    sizes = np.array([one.size for one in answers.curve])
-    left = np.array([one.remaining for one in answers.curve]).T
-    below = np.array([one.gaps_below for one in answers.curve]).T
-    unit = unit_for("length", float(sizes.max()))
+    sizes = np.array([point.size for point in answers.curve])
+    left = np.array([point.remaining for point in answers.curve]).T
+    below = np.array([point.gaps_below for point in answers.curve]).T
+    unit = result.display.unit_for("length", float(sizes.max()))
     figure, (share,) = panels(1, height=3.5, width=NARROW)
     share.axvspan(
-        *(one / unit.size for one in answers.narrowest), color=FILL, label="too large to pass from here on"
+        *(size / unit.size for size in answers.narrowest), color=FILL, label="too large to pass from here on"
     )
     for both, colour, style, name in (
         (left, BLUE, "o-", "leak with narrower gaps shut"),
@@ -117,7 +118,7 @@ def particle_picture(result: SealSolution) -> Picture | None:
     size = f"particle size  [{unit.name}]"
     label(share, "Leak with narrower gaps shut (estimate)", size, "share  [%]", log="x", legend="center left")
     at = load_name(result.highest, result.loads)
-    return captioned(figure, "particles", "all", load=at)
+    return captioned(result.display, figure, "particles", "all", load=at)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -131,12 +132,12 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     return AnswerPage(
         tiles=tiles,
         why=[_narrow(result, answers, display)],
-        section=worded_section("particles", sentences, particle_table(result), load=load),
+        section=worded_section(display, "particles", sentences, particle_table(result), load=load),
         details=sentences,
     )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.particles,
     summary=lambda result: {"particles": [asdict(answers) for answers in result.particles]},
     absent={"particles": []},

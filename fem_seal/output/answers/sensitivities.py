@@ -12,11 +12,11 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import Case
 from fem_seal.case.material_table import UNNAMED
 from fem_seal.case.notation import partner
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, decisive, worded_section, worded_table
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.shown import AnswerPage, Shown, decisive, worded_section, worded_table
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import format_digits, range_text, trim_zeros, unit_for
-from fem_seal.wording import phrase, say_all
+from fem_seal.units import format_digits, range_text, trim_zeros
+from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -30,75 +30,83 @@ _SCALED = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
 _MULTIPLE = 2.0
 
 
-def shown_sensitivities(found: Sequence[Sensitivity]) -> list[Sensitivity]:
+def shown_sensitivities(sensitivities: Sequence[Sensitivity]) -> list[Sensitivity]:
     """Those that a drawing or an order can change and that change the leak by 3 % or more in both readings.
 
     Parameters
     ----------
-    found : sequence of Sensitivity
+    sensitivities : sequence of Sensitivity
     """
     return [
-        one
-        for one in found
-        if one.drawn and one.strength > 0 and min(abs(1.0 - ratio) for ratio in one.ratio) >= _SMALLEST
+        step
+        for step in sensitivities
+        if step.drawn and step.strength > 0 and min(abs(1.0 - ratio) for ratio in step.ratio) >= _SMALLEST
     ]
 
 
-def strongest(found: Sequence[Sensitivity]) -> list[Sensitivity]:
+def strongest(sensitivities: Sequence[Sensitivity]) -> list[Sensitivity]:
     """The strongest of those that are shown and do not fail elsewhere, the best of all materials among them.
 
     Parameters
     ----------
-    found : sequence of Sensitivity
+    sensitivities : sequence of Sensitivity
     """
-    shown = [one for one in shown_sensitivities(found) if one.helps is not False]
-    material = next((one for one in shown if one.material), None)
-    return [one for one in shown if not one.material or one is material][:_TOLD]
+    helpful = [step for step in shown_sensitivities(sensitivities) if step.helps is not False]
+    material = next((sensitivity for sensitivity in helpful if sensitivity.material), None)
+    return [step for step in helpful if not step.material or step is material][:_TOLD]
 
 
-def in_words(case: Case, one: Sensitivity) -> str:
+def in_words(case: Case, sensitivity: Sensitivity) -> str:
     """A sensitivity as a sentence: "halving Ra cuts the leak by 82 to 89 %".
 
     Parameters
     ----------
     case : Case
-    one : Sensitivity
+    sensitivity : Sensitivity
     """
-    return f"{step_in_words(case, one)} {effect_in_words(one)}"
+    return f"{step_in_words(case, sensitivity)} {effect_in_words(case.display, sensitivity)}"
 
 
-def step_in_words(case: Case, one: Sensitivity) -> str:
+def step_in_words(case: Case, sensitivity: Sensitivity) -> str:
     """What is changed, and by how much: "halving Ra", "10 % more force of spring or actuator".
 
     Parameters
     ----------
     case : Case
-    one : Sensitivity
+    sensitivity : Sensitivity
     """
-    if one.key == "force":
-        assert one.before is not None and one.after is not None  # of a force
-        if one.before > 0:
-            return phrase("sensitivities.step", "force", more=one.factor - 1.0)
-        return phrase("sensitivities.step", "force_added", added=one.after - one.before)
-    if one.material:
-        body, own = _body_of(case, one.key)
-        own = "its own" if own == UNNAMED else own
-        return phrase("sensitivities.step", "material", body=body, material=one.material, own=own)
-    if one.key == "form":
+    display = case.display
+    if sensitivity.key == "force":
+        assert sensitivity.before is not None and sensitivity.after is not None  # of a force
+        if sensitivity.before > 0:
+            return say(display, "sensitivities", "step_force", more=sensitivity.factor - 1.0)
+        return say(display, "sensitivities", "step_force_added", added=sensitivity.after - sensitivity.before)
+    if sensitivity.material:
+        body, material = _body_of(case, sensitivity.key)
+        material = "its own" if material == UNNAMED else material
+        return say(
+            display,
+            "sensitivities",
+            "step_material",
+            body=body,
+            material=sensitivity.material,
+            present=material,
+        )
+    if sensitivity.key == "form":
         parts = () if case.form is None else case.form.parts.values()
-        drawn = parts and all(part.tolerance is not None for part in parts)
-        return phrase("sensitivities.step", "tolerance" if drawn else "form")
-    if one.key.startswith("roughness."):
-        _, _, height = one.key.split(".")
-        face, _ = _body_of(case, one.key.removeprefix("roughness."))
-        return phrase("sensitivities.step", "finish", finish=f"{height} of the {face}")
-    if one.key in _SCALED:
+        has_tolerance = parts and all(part.tolerance is not None for part in parts)
+        return say(display, "sensitivities", f"step_{'tolerance' if has_tolerance else 'form'}")
+    if sensitivity.key.startswith("roughness."):
+        _, _, height = sensitivity.key.split(".")
+        face, _ = _body_of(case, sensitivity.key.removeprefix("roughness."))
+        return say(display, "sensitivities", "step_finish", finish=f"{height} of the {face}")
+    if sensitivity.key in _SCALED:
         finish = _finish(case)
-        if one.key == "rms_height" and one.factor < 1 and finish:
-            return phrase("sensitivities.step", "finish", finish=finish)
-        key = f"{one.key}_{'more' if one.factor > 1 else 'less'}"
-        return phrase("sensitivities.step", key, one=one)
-    return _dimension(case, one)
+        if sensitivity.key == "rms_height" and sensitivity.factor < 1 and finish:
+            return say(display, "sensitivities", "step_finish", finish=finish)
+        key = f"{sensitivity.key}_{'more' if sensitivity.factor > 1 else 'less'}"
+        return say(display, "sensitivities", f"step_{key}", sensitivity=sensitivity)
+    return _dimension(case, sensitivity)
 
 
 def _body_of(case: Case, key: str) -> tuple[str, str]:
@@ -113,17 +121,18 @@ def _finish(case: Case) -> str:
     roughness = case.roughness
     if roughness is None or len(roughness.finishes) < len(roughness.parts):
         return ""
-    heights = [one.height for one in roughness.finishes.values() if one.height is not None]
+    heights = [finish.height for finish in roughness.finishes.values() if finish.height is not None]
     return " and ".join(dict.fromkeys(heights))
 
 
-def _dimension(case: Case, one: Sensitivity) -> str:
+def _dimension(case: Case, sensitivity: Sensitivity) -> str:
     """In the words of the case: where it has diameters and included angles, in these."""
-    assert one.before is not None and one.after is not None  # of a dimension
-    first, _, both = one.key.partition(" and ")
+    display = case.display
+    assert sensitivity.before is not None and sensitivity.after is not None  # of a dimension
+    first, _, both = sensitivity.key.partition(" and ")
     table, _, key = first.partition(".")
     body, _ = _body_of(case, first)
-    more, word = one.after - one.before, partner(key)
+    more, word = sensitivity.after - sensitivity.before, partner(key)
     if key == "angle" and word and word in case.written[table]:
         more, key = -2.0 * more, word
     elif (
@@ -133,38 +142,41 @@ def _dimension(case: Case, one: Sensitivity) -> str:
         and any(name.endswith("diameter") for name in case.written[table])
     ):
         more, key = 2.0 * more, word
-    unit = unit_for("angle" if key.endswith("angle") else "length", abs(more))
+    unit = display.unit_for("angle" if key.endswith("angle") else "length", abs(more))
     by = f"{trim_zeros(unit.of(abs(more)))} {unit.name} {'larger' if more > 0 else 'smaller'}".replace(
         " °", "°"
     )
     what = key.replace("_", " ")
-    return phrase("sensitivities.step", "angles" if both else "dimension", by=by, body=body, what=what)
+    return say(
+        display, "sensitivities", f"step_{'angles' if both else 'dimension'}", by=by, body=body, what=what
+    )
 
 
-def effect_in_words(one: Sensitivity) -> str:
+def effect_in_words(display: Display, sensitivity: Sensitivity) -> str:
     """What the step does, in both readings: "cuts the leak by 82 to 89 %", and whether not everywhere.
 
     Parameters
     ----------
-    one : Sensitivity
+    display : Display
+    sensitivity : Sensitivity
     """
-    effect = _effect(one)
-    return effect + phrase("sensitivities.words", "elsewhere") if one.helps is False else effect
+    effect = _effect(display, sensitivity)
+    return effect + say(display, "sensitivities", "words_elsewhere") if sensitivity.helps is False else effect
 
 
-def _effect(one: Sensitivity) -> str:
-    low, high = sorted(one.ratio)
+def _effect(display: Display, sensitivity: Sensitivity) -> str:
+    low, high = sorted(sensitivity.ratio)
     if high == 0:
-        return phrase("sensitivities.words", "closes")
+        return say(display, "sensitivities", "words_closes")
     if low == math.inf:
-        return phrase("sensitivities.words", "opens")
+        return say(display, "sensitivities", "words_opens")
     if high < 1:
-        return phrase("sensitivities.words", "cuts", part=range_text(_less(high), _less(low)))
+        return say(display, "sensitivities", "words_cuts", part=range_text(_less(high), _less(low)))
     if low >= 1 and high < _MULTIPLE:
         part = range_text(*(f"{100 * (end - 1):.0f}" for end in (low, high)))
-        return phrase("sensitivities.words", "raises", part=part)
+        return say(display, "sensitivities", "words_raises", part=part)
     ends = range_text(*(format_digits(end, 2) if end else "0" for end in (low, high)))
-    return phrase("sensitivities.words", "multiplies", ratio=ends)
+    return say(display, "sensitivities", "words_multiplies", ratio=ends)
 
 
 def _less(ratio: float) -> str:
@@ -173,11 +185,11 @@ def _less(ratio: float) -> str:
     return f"{100 * (1 - ratio):.{decimals}f}"
 
 
-def _exponents(one: Sensitivity) -> str:
-    if any(map(math.isnan, one.exponents)):
+def _exponents(display: Display, sensitivity: Sensitivity) -> str:
+    if any(map(math.isnan, sensitivity.exponents)):
         return "–"
-    ends = range_text(*(format_digits(end, 2) for end in sorted(one.exponents)))
-    return ends if one.straight else phrase("sensitivities.words", "locally", exponents=ends)
+    ends = range_text(*(format_digits(end, 2) for end in sorted(sensitivity.exponents)))
+    return ends if sensitivity.straight else say(display, "sensitivities", "words_locally", exponents=ends)
 
 
 def sensitivity_lines(result: SealSolution) -> list[str]:
@@ -187,9 +199,10 @@ def sensitivity_lines(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
+    display = result.display
     at = load_of(result)
-    changes = (in_words(result.case, one) for one in strongest(result.sensitivities))
-    return [phrase("sensitivities.words", "strong", load=at, change=change) for change in changes]
+    changes = (in_words(result.case, sensitivity) for sensitivity in strongest(result.sensitivities))
+    return [say(display, "sensitivities", "words_strong", load=at, change=change) for change in changes]
 
 
 def change_in_brief(result: SealSolution, load: CaseLoad) -> str:
@@ -200,14 +213,14 @@ def change_in_brief(result: SealSolution, load: CaseLoad) -> str:
     result : SealSolution
     load : CaseLoad
     """
-    found = next((one for one in result.sensitivities if one.helps), None)
-    if found is None:
+    sensitivity = next((sensitivity for sensitivity in result.sensitivities if sensitivity.helps), None)
+    if sensitivity is None:
         return ""
     # times the limit, at least, after the change
-    left = 0.0 if load.judgement is None else load.judgement.times_over * max(found.ratio)
+    left = 0.0 if load.judgement is None else load.judgement.times_over * max(sensitivity.ratio)
     alone = ", which alone is not enough" if left > 1.0 else ""
-    what, at = in_words(result.case, found), load_name(load, result.loads)
-    return phrase("sensitivities.words", "helps", what=what, at=at, alone=alone)
+    what, at = in_words(result.case, sensitivity), load_name(load, result.loads)
+    return say(result.display, "sensitivities", "words_helps", what=what, at=at, alone=alone)
 
 
 def load_of(result: SealSolution) -> str:
@@ -217,8 +230,8 @@ def load_of(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    judged = result.judgement
-    load = result.highest if judged is None or judged.number is None else result.loads[judged.number]
+    judgement = result.judgement
+    load = result.highest if judgement is None or judgement.number is None else result.loads[judgement.number]
     return load_name(load, result.loads)
 
 
@@ -231,13 +244,13 @@ def sensitivity_table(result: SealSolution) -> ReadableTable:
     """
     rows = [
         {
-            "step": step_in_words(result.case, one),
-            "effect": effect_in_words(one),
-            "exponents": _exponents(one),
+            "step": step_in_words(result.case, sensitivity),
+            "effect": effect_in_words(result.display, sensitivity),
+            "exponents": _exponents(result.display, sensitivity),
         }
-        for one in shown_sensitivities(result.sensitivities)
+        for sensitivity in shown_sensitivities(result.sensitivities)
     ]
-    return worded_table("sensitivities", rows)
+    return worded_table(result.display, "sensitivities", rows)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -245,16 +258,16 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     notes = say_all(display, "sensitivities", "notes", load=load_of(result), both=result.highest.others)
     return AnswerPage(
         decides=[change] if change else (),
-        section=worded_section("sensitivities", notes, sensitivity_table(result)),
+        section=worded_section(display, "sensitivities", notes, sensitivity_table(result)),
         details=sensitivity_lines(result),
     )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.sensitivities,
     # under the key that result files have had from the beginning
     summary=lambda result: {
-        "levers": [asdict(one) | {"says": in_words(result.case, one)} for one in result.sensitivities]
+        "levers": [asdict(step) | {"says": in_words(result.case, step)} for step in result.sensitivities]
     },
     absent={"levers": []},
     page=_page,

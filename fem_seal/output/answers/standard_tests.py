@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, worded_section, worded_table
 from fem_seal.output.answers.verdict import verdict_words
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
-from fem_seal.output.shown import AnswerPage, Shown, worded_section, worded_table
 from fem_seal.output.tables import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
-from fem_seal.units import LIQUID, leak_range_text, unit_for
-from fem_seal.wording import phrase
+from fem_seal.units import LIQUID
+from fem_seal.wording import say
 from leak.standards import STANDARDS
 
 if TYPE_CHECKING:
@@ -34,16 +34,17 @@ def standard_in_brief(result: SealSolution) -> str:
     worst, required = worst_of(result.standard_tests), result.case.requirement
     if not worst or required is None or required.standard_and_class is None:
         return ""
-    one = next(test for test in result.standard_tests if _verdict(test) == worst)
-    known = "" if worst == "pass" or not math.isfinite(one.leak_rate) else "but"
-    return phrase(
-        "standard_tests.brief",
-        known or "alone",
+    decisive_test = next(test for test in result.standard_tests if _verdict(test) == worst)
+    sentence = "" if worst == "pass" or not math.isfinite(decisive_test.leak_rate) else "but"
+    return say(
+        result.display,
+        "standard_tests",
+        f"brief_{sentence or 'alone'}",
         standard=required.standard_and_class[0],
         verdict=verdict_words(worst),
-        one=one,
-        rate=_rate(one),
-        limit=_limit(one),
+        load=decisive_test,
+        rate=_rate(result.display, decisive_test),
+        limit=_limit(result.display, decisive_test),
     )
 
 
@@ -52,25 +53,33 @@ def _of_tests(result: SealSolution) -> Iterator[str]:
     wanted = None if required is None else required.standard_and_class
     if wanted is None:
         return
-    for one in tests:
-        how = {math.inf: "open"}.get(one.leak_rate, "unknown" if math.isnan(one.leak_rate) else "test")
-        limit, verdict = _limit(one), "" if one.judgement is None else verdict_words(one.judgement.verdict)
-        name = one.test[0].upper() + one.test[1:]
-        yield phrase(
-            "standard_tests.says", how, name=name, one=one, rate=_rate(one), limit=limit, verdict=verdict
+    for test in tests:
+        how = {math.inf: "open"}.get(test.leak_rate, "unknown" if math.isnan(test.leak_rate) else "test")
+        limit = _limit(result.display, test)
+        verdict = "" if test.judgement is None else verdict_words(test.judgement.verdict)
+        name = test.test[0].upper() + test.test[1:]
+        yield say(
+            result.display,
+            "standard_tests",
+            f"says_{how}",
+            name=name,
+            load=test,
+            rate=_rate(result.display, test),
+            limit=limit,
+            verdict=verdict,
         )
     memory = STANDARDS[wanted[0]].from_memory
     if tests and memory:
-        yield phrase("standard_tests.says", "memory", standard=wanted[0], memory=memory)
+        yield say(result.display, "standard_tests", "says_memory", standard=wanted[0], memory=memory)
 
 
 def spring_in_words(result: SealSolution) -> str:
     """Force of the spring of a relief valve, and where the valve opens; empty unless the valve is one."""
-    found = result.set_pressure
-    if found is None:
+    relief = result.set_pressure
+    if relief is None:
         return ""
-    opens = "" if found.opens is None or math.isinf(found.opens) else "opens"
-    return phrase("standard_tests.says", "spring", opens, found=found, diameter=2.0 * found.radius)
+    opens = relief.opens is not None and not math.isinf(relief.opens)
+    return say(result.display, "standard_tests", "says_spring", relief=relief, opens=opens)
 
 
 def allowed(load: TestedLoad) -> float:
@@ -79,95 +88,102 @@ def allowed(load: TestedLoad) -> float:
     return math.nan if limit is None else limit.leak_rate / limit.ratio[1]
 
 
-def _limit(load: TestedLoad) -> str:
+def _limit(display: Display, load: TestedLoad) -> str:
     limit = allowed(load)
     if load.judgement is not None and load.judgement.limit.visible:
         return "none visible"
-    return "–" if math.isnan(limit) else leak_range_text(limit, 2, beside=load.ends)
+    return "–" if math.isnan(limit) else display.leak_range(limit, 2, beside=load.ends)
 
 
-def _rate(load: TestedLoad) -> str:
+def _rate(display: Display, load: TestedLoad) -> str:
     if not math.isfinite(load.leak_rate):
         return "open" if math.isinf(load.leak_rate) else "–"
-    return leak_range_text(load.ends, 2, beside=(load.leak_rate, allowed(load)))
+    return display.leak_range(load.ends, 2, beside=(load.leak_rate, allowed(load)))
 
 
 def tests_table(result: SealSolution) -> ReadableTable:
     """The tests of the standard; no rows without them, nor of a relief valve, whose one test the sentences say."""
     loads = result.standard_tests if result.set_pressure is None else ()
-    return worded_table("standard_tests", map(_cells, loads))
+    return worded_table(result.display, "standard_tests", [_cells(result.display, load) for load in loads])
 
 
 def set_pressure_table(result: SealSolution) -> ReadableTable:
     """Leak rate up to the set pressure; no rows unless the valve is a relief valve."""
-    found = result.set_pressure
-    shares = {} if found is None else {one.fluid_pressure / found.pressure: one for one in found.loads}
-    rows = [{"share": share, **_cells(one)} for share, one in shares.items()]
-    return worded_table("set_pressure", rows)
+    relief = result.set_pressure
+    shares = {} if relief is None else {load.fluid_pressure / relief.pressure: load for load in relief.loads}
+    rows = [{"share": share, **_cells(result.display, load)} for share, load in shares.items()]
+    return worded_table(result.display, "set_pressure", rows)
 
 
-def _cells(load: TestedLoad) -> dict[str, object]:
-    return {"one": load, "rate": _rate(load), "limit": _limit(load), "verdict": _verdict(load)}
+def _cells(display: Display, load: TestedLoad) -> dict[str, object]:
+    return {
+        "load": load,
+        "rate": _rate(display, load),
+        "limit": _limit(display, load),
+        "verdict": _verdict(load),
+    }
 
 
 def _verdict(load: TestedLoad) -> str:
-    known = load.judgement is not None and not math.isnan(load.judgement.limit.leak_rate)
-    return str(load.judgement.verdict) if known and load.judgement is not None else "–"
+    has_limit = load.judgement is not None and not math.isnan(load.judgement.limit.leak_rate)
+    return str(load.judgement.verdict) if has_limit and load.judgement is not None else "–"
 
 
-def _row(one: TestedLoad) -> tuple[float | str, ...]:
-    load = one.medium, one.fluid_pressure, one.applied_force, one.leak_rate
-    return (*load, *one.ends, allowed(one), _verdict(one))
+def _row(load: TestedLoad) -> tuple[float | str, ...]:
+    inputs = load.medium, load.fluid_pressure, load.applied_force
+    return (*inputs, load.leak_rate, *load.ends, allowed(load), _verdict(load))
 
 
-def _test_row(one: TestedLoad) -> tuple[float | str, ...]:
-    return one.test, *_row(one)
+def _test_row(load: TestedLoad) -> tuple[float | str, ...]:
+    return load.test, *_row(load)
 
 
-def _share_row(found: SetPressure, one: TestedLoad) -> tuple[float | str, ...]:
-    return one.fluid_pressure / found.pressure, *_row(one)
+def _share_row(relief: SetPressure, load: TestedLoad) -> tuple[float | str, ...]:
+    return load.fluid_pressure / relief.pressure, *_row(load)
 
 
 def set_pressure_picture(result: SealSolution) -> Picture | None:
     """Leak rate over the share of the set pressure; None unless the valve is a relief valve."""
-    found = result.set_pressure
-    known = [] if found is None else [one for one in found.loads if 0 < one.leak_rate < math.inf]
-    if found is None or len(known) < 2:
+    relief = result.set_pressure
+    leaking = [] if relief is None else [load for load in relief.loads if 0 < load.leak_rate < math.inf]
+    if relief is None or len(leaking) < 2:
         return None
-    shares = [one.fluid_pressure / found.pressure for one in known]
-    unit = unit_for("flow", max(one.leak_rate for one in known))
+    shares = [load.fluid_pressure / relief.pressure for load in leaking]
+    unit = result.display.unit_for("flow", max(load.leak_rate for load in leaking))
     volume = volume_of(result.case)
-    unit = unit if volume is LIQUID else volume.name_unit(unit)
+    unit = unit if volume is LIQUID else result.display.name_unit(unit, volume)
     figure, (axes,) = panels(1)
-    low, high = ([unit.of(one.ends[end]) for one in known] for end in (0, 1))
+    low, high = ([unit.of(load.ends[end]) for load in leaking] for end in (0, 1))
     axes.fill_between(shares, low, high, color=BLUE, alpha=0.15, linewidth=0)
-    axes.plot(shares, [unit.of(one.leak_rate) for one in known], "o-", color=BLUE, ms=3.2, label="leak rate")
-    limit = allowed(known[0])
+    axes.plot(
+        shares, [unit.of(load.leak_rate) for load in leaking], "o-", color=BLUE, ms=3.2, label="leak rate"
+    )
+    limit = allowed(leaking[0])
     if limit > 0:
         axes.axhline(unit.of(limit), color=ORANGE, linestyle="--", label="allowed by API 527")
-    if found.opens is not None and math.isfinite(found.opens):
-        axes.axvline(found.opens / found.pressure, color=GREY, label="opens")
+    if relief.opens is not None and math.isfinite(relief.opens):
+        axes.axvline(relief.opens / relief.pressure, color=GREY, label="opens")
     share, rate = "fluid pressure over set pressure", f"leak rate  [{unit.name}]"
     label(axes, "Leak up to the set pressure", share, rate, log="y", legend="upper left")
-    return captioned(figure, "set_pressure", "all", found=found)
+    return captioned(result.display, figure, "set_pressure", "all", relief=relief)
 
 
 def _summary(result: SealSolution) -> dict[str, Any]:
-    tests, found = map(_test_row, result.standard_tests), result.set_pressure
+    tests, relief = map(_test_row, result.standard_tests), result.set_pressure
     return {
         "standard_tests": [dict(zip(STANDARD_TEST_COLUMNS, row, strict=True)) for row in tests] or None,
         "standard_verdict": worst_of(result.standard_tests) or None,
-        "set_pressure": None if found is None else _in_summary(found),
+        "set_pressure": None if relief is None else _in_summary(relief),
     }
 
 
-def _in_summary(found: SetPressure) -> dict[str, Any]:
-    rows = (_share_row(found, one) for one in found.loads)
+def _in_summary(relief: SetPressure) -> dict[str, Any]:
+    rows = (_share_row(relief, load) for load in relief.loads)
     return {
-        "set_pressure_Pa": found.pressure,
-        "contact_radius_m": found.radius,
-        "spring_force_N": found.force,
-        "blow_off_pressure_Pa": found.opens,
+        "set_pressure_Pa": relief.pressure,
+        "contact_radius_m": relief.radius,
+        "spring_force_N": relief.force,
+        "blow_off_pressure_Pa": relief.opens,
         "loads": [dict(zip(SET_PRESSURE_COLUMNS, row, strict=True)) for row in rows],
     }
 
@@ -176,23 +192,29 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     words = in_words(result)
     return AnswerPage(
         first=[*filter(None, (standard_in_brief(result), spring_in_words(result)))],
-        section=worded_section("standard_tests", words, tests_table(result), set_pressure_table(result)),
+        section=worded_section(
+            display, "standard_tests", words, tests_table(result), set_pressure_table(result)
+        ),
         details=words,
     )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.standard_tests or result.set_pressure,
     summary=_summary,
     absent=dict.fromkeys(("standard_tests", "standard_verdict", "set_pressure")),
     tables={
         "standard_tests.csv": lambda result: (
             STANDARD_TEST_COLUMNS,
-            [_test_row(one) for one in result.standard_tests],
+            [_test_row(test) for test in result.standard_tests],
         ),
         "set_pressure.csv": lambda result: (
             SET_PRESSURE_COLUMNS,
-            [_share_row(found, one) for found in filter(None, [result.set_pressure]) for one in found.loads],
+            [
+                _share_row(relief, load)
+                for relief in filter(None, [result.set_pressure])
+                for load in relief.loads
+            ],
         ),
     },
     pictures=lambda result: (set_pressure_picture(result),),

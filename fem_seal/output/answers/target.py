@@ -11,9 +11,9 @@ from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, decisive, worded_section
 from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
-from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section
-from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
+from fem_seal.units import format_digits, range_text
 from fem_seal.wording import say
 
 if TYPE_CHECKING:
@@ -25,10 +25,12 @@ _DIGITS = 4
 OPENS, TARGET_FORCE = "Opens at", "Force for the target leak rate"
 
 
-def opens_at(load: CaseLoad) -> str | None:
+def opens_at(display: Display, load: CaseLoad) -> str | None:
     """The fluid pressure that lifts the closure off; None if none does, or if not calculated."""
     pressure = load.blow_off_pressure
-    return None if pressure is None or math.isinf(pressure) else quantity("fluid pressure", pressure, _DIGITS)
+    if pressure is None or math.isinf(pressure):
+        return None
+    return display.quantity(pressure, f"fluid pressure {_DIGITS}")
 
 
 def tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Tile]:
@@ -40,20 +42,20 @@ def tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Ti
     display : Display
     load : CaseLoad
     """
-    if opens := opens_at(load):
+    if opens := opens_at(display, load):
         remark = say(display, "target", "opens", load=load)
         yield Tile(OPENS, opens, remark, 30, load.validity.of_contact.level)
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is not None and force is not None:
-        every = (force, *_other_forces(load).values())
-        low, high = (_target_force(load, end) for end in (every[0], every[-1]))
+        forces = (force, *_other_forces(load).values())
+        low, high = (_target_force(display, load, end) for end in (forces[0], forces[-1]))
         remark = say(display, "target", "force", target=target_text(result, target), both=low != high)
         level = (load.target_validity or load.validity).level
         yield Tile(TARGET_FORCE, range_text(low, high), remark, 45, level)
 
 
 def _why(display: Display, load: CaseLoad) -> Iterator[str]:
-    if opens := opens_at(load):
+    if opens := opens_at(display, load):
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
         digits = 2 if load.digits == 4 else 4
@@ -71,19 +73,19 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
     target = result.case.load.target_leak_rate
     if target is None or result.highest.preload_for_target is not None:
         return ""
-    known = [
+    forces = [
         (_most_force(load), n) for n, load in enumerate(result.loads) if load.force_for_target is not None
     ]
-    if not known:
-        found = TARGET.of(result.answers)
+    if not forces:
+        answer = TARGET.of(result.answers)
         why = (
-            found.remarks[0].text(display).removeprefix("load.target_leak_rate = ")
-            if found and found.remarks
+            answer.remarks[0].text(display).removeprefix("load.target_leak_rate = ")
+            if answer and answer.remarks
             else ""
         )
         return say(display, "target", "unmet", why=why) if why else ""
     # a fluid that closes the seal leaves most to the spring at its lowest pressure
-    force, number = max(known)
+    force, number = max(forces)
     load = result.loads[number]
     contact, validity = load.contact_force_for_target, load.target_validity
     doubt = "" if validity is None or not validity.doubts else f"{validity.level}: {validity.reasons[0]}"
@@ -92,7 +94,7 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
         "target",
         "brief",
         target=target_text(result, target),
-        force="" if force <= 0.0 else _target_force(load, force),
+        force="" if force <= 0.0 else _target_force(display, load, force),
         # another reading moves the force of the contact by as much as that of the spring
         line_load=None
         if contact is None
@@ -115,8 +117,8 @@ def _line_load(load: CaseLoad, contact_force: float) -> float:
 
 def _other_forces(load: CaseLoad) -> dict[str, float]:
     """Force for the target in the scenarios beside, where one is found [N]."""
-    found = {name: one.force_for_target for name, one in load.others.items()}
-    return {name: force for name, force in found.items() if force is not None}
+    forces = {name: scenario.force_for_target for name, scenario in load.others.items()}
+    return {name: force for name, force in forces.items() if force is not None}
 
 
 def target_text(result: SealSolution, leak_rate: float) -> str:
@@ -128,12 +130,13 @@ def target_text(result: SealSolution, leak_rate: float) -> str:
     leak_rate : float
         [m^3/s]
     """
-    state = volume_of(result.case).state
-    return f"{format_quantity('flow', leak_rate)} at {state}" if state else format_quantity("flow", leak_rate)
+    display = result.display
+    state, rate = display.state_of(volume_of(result.case)), display.quantity(leak_rate, "given flow")
+    return f"{rate} at {state}" if state else rate
 
 
-def _target_force(load: CaseLoad, force: float) -> str:
-    unit = unit_for("force", force)
+def _target_force(display: Display, load: CaseLoad, force: float) -> str:
+    unit = display.unit_for("force", force)
     return f"{format_digits(unit.of(force), load.digits_of('force_for_target'))} {unit.name}"
 
 
@@ -163,11 +166,11 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
         first=[first] if first else (),
         tiles=[*tiles(result, display, load)],
         why=[*_why(display, load)],
-        section=worded_section("target", (), valve_table(result)),
+        section=worded_section(display, "target", (), valve_table(result)),
     )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: (
         result.case.load.target_leak_rate is not None or any(load.blow_off_pressure for load in result.loads)
     ),

@@ -11,22 +11,23 @@ from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import LeakInterval
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, worded_section
 from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.shown import AnswerPage, Shown, worded_section
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, shared_flow_unit
+from fem_seal.units import LIQUID, LeakVolume, format_digits, percent
 from fem_seal.wording import say_all
 
 if TYPE_CHECKING:
     from fem_seal.units import Display
 
 
-def told_after_test(load: CaseLoad, volume: LeakVolume = LIQUID, interval: str = "") -> str:
+def told_after_test(display: Display, load: CaseLoad, volume: LeakVolume = LIQUID, interval: str = "") -> str:
     """What leaks after a leak test: median and interval, "2.4 ml/min (2.1 to 2.7 ml/min)".
 
     Parameters
     ----------
+    display : Display
     load : CaseLoad
         With samples.
     volume : LeakVolume
@@ -35,25 +36,26 @@ def told_after_test(load: CaseLoad, volume: LeakVolume = LIQUID, interval: str =
     """
     ends = rate_of(load)
     middle = load.leak_rate_p50 or 0.0
-    beside = ends if isinstance(ends, tuple) else (ends,)
-    text = leak_range_text(middle, min(load.leak_digits, 2), beside=beside, volume=volume)
-    return f"{text} ({interval or leak_range_text(ends, load.leak_digits, volume=volume)})"
+    rates = ends if isinstance(ends, tuple) else (ends,)
+    text = display.leak_range(middle, min(load.leak_digits, 2), beside=rates, volume=volume)
+    return f"{text} ({interval or display.leak_range(ends, load.leak_digits, volume=volume)})"
 
 
 def interval_table(result: SealSolution) -> ReadableTable:
     """Leak rates with their interval and the shares of the inputs; no rows if nothing was uncertain."""
+    display = result.display
     interval = result.uncertainty
     if interval is None:
         return ReadableTable((), ())
-    ends = [one or (math.nan, math.nan) for one in result.leak_ranges]
+    ends = [interval_ends or (math.nan, math.nan) for interval_ends in result.leak_ranges]
     volume = volume_of(result.case)
-    unit = volume.name_unit(shared_flow_unit([one for several in ends for one in several]))
+    unit = display.name_unit(display.shared_flow_unit([end for several in ends for end in several]), volume)
     span, tested = percent(interval.confidence), interval.error_scores is not None
     names, of_inputs = interval.inputs, interval.shares
     if tested:
         # the inputs depend on each other
         names = ("left by test",)
-        of_inputs = np.array([[one.of_width.get(*names, math.nan)] for one in result.error_shares])
+        of_inputs = np.array([[sources.of_width.get(*names, math.nan)] for sources in result.error_shares])
     headings = (
         "load",
         f"leak rate [{unit.name}]",
@@ -87,7 +89,9 @@ def interval_notes(result: SealSolution, display: Display) -> list[str]:
     if interval is None:
         return []
     given_as = {} if settings is None else settings.spreads
-    spreads = {name: f" ±{percent(one.relative)} ({one.distribution})" for name, one in given_as.items()}
+    spreads = {
+        name: f" ±{percent(spread.relative)} ({spread.distribution})" for name, spread in given_as.items()
+    }
     return say_all(
         display,
         "uncertainty",
@@ -97,7 +101,7 @@ def interval_notes(result: SealSolution, display: Display) -> list[str]:
         tested=interval.error_scores is not None,
         finish=roughness is not None and roughness.finishes,
         both=result.highest.others,
-        own=result.highest.flow_error is not None,
+        with_error=result.highest.flow_error is not None,
         sealed=float(interval.sealed_share.max()),
     )
 
@@ -121,13 +125,15 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
     }
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.uncertainty,
     summary=lambda result: {
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty)
     },
     absent={"uncertainty": None},
     page=lambda result, display: AnswerPage(
-        section=worded_section("uncertainty", interval_notes(result, display), interval_table(result))
+        section=worded_section(
+            display, "uncertainty", interval_notes(result, display), interval_table(result)
+        )
     ),
 )

@@ -10,8 +10,8 @@ from fem_seal import units
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, by_scenario, worded_section, worded_table
 from fem_seal.output.columns import ReadableTable
-from fem_seal.output.shown import AnswerPage, Shown, by_scenario, worded_section, worded_table
 from fem_seal.seal.findings import EXACT, Bounds
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
@@ -50,8 +50,8 @@ def has_one_number(load: CaseLoad) -> bool:
     load : CaseLoad
     """
     # one that is sealed alone is told with its upper bound
-    told = load.leak is not None and load.leak.leak_rate > 0.0 and not load.validity.outside_theory
-    return told and "paper" in load.names and load.sample_ends is None
+    claimed = load.leak is not None and load.leak.leak_rate > 0.0 and not load.validity.outside_theory
+    return claimed and "paper" in load.names and load.sample_ends is None
 
 
 def beside_in_brief(result: SealSolution) -> Iterator[str]:
@@ -89,7 +89,7 @@ def supported_by(result: SealSolution) -> list[str]:
         return []
     theories = [name for name in ("paper", "corrected") if name in load.names]
     support = "test" if load.after_test else theories[0] if theories else "direct"
-    return [say(result.case.display, "theories", f"supported_{support}")]
+    return [say(result.display, "theories", f"supported_{support}")]
 
 
 def headline(result: SealSolution, display: Display) -> str:
@@ -130,7 +130,7 @@ def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
 
 def _compare_rates(result: SealSolution, display: Display, name: str, other: CaseLoad) -> str:
     load, volume = result.highest, volume_of(result.case)
-    own, rate = _rate(load), _rate(other)
+    present, rate = _rate(load), _rate(other)
     return say(
         display,
         "theories",
@@ -139,20 +139,20 @@ def _compare_rates(result: SealSolution, display: Display, name: str, other: Cas
         load=load_name(load, result.loads),
         inputs=_remark_on_inputs(load),
         rate=_rate_text(result, display, other) if rate else "",
-        factor=rate / own if own else None,
-        own=display.leak_range(own, min(load.leak_digits, 2), volume=volume) if own else "",
+        factor=rate / present if present else None,
+        present=display.leak_range(present, min(load.leak_digits, 2), volume=volume) if present else "",
     )
 
 
 def _share_of_contact(result: SealSolution, display: Display, name: str, other: CaseLoad) -> Iterator[str]:
     """Shares of the difference from the contact, and from the leak through the same contact."""
     load = result.highest
-    own, same, rate = _rate(load), result.theories.same_contact.get(name, 0.0), _rate(other)
+    present, same, rate = _rate(load), result.theories.same_contact.get(name, 0.0), _rate(other)
     peaks = Bounds.of([load.peak_pressure, other.peak_pressure])
-    if all((own, same, rate)) and peaks.high >= _NOTICED * peaks.low:
-        shares = {"gaps": same / own, "contact": rate / same, "theory": SCENARIOS[name].title}
+    if all((present, same, rate)) and peaks.high >= _NOTICED * peaks.low:
+        shares = {"gaps": same / present, "contact": rate / same, "theory": SCENARIOS[name].title}
         digits = min(3, load.pressure_digits)
-        yield say(display, "theories", "contact", other=other, own=load, digits=digits, **shares)
+        yield say(display, "theories", "contact", other=other, present=load, digits=digits, **shares)
 
 
 def _share_of_yielding(load: CaseLoad, display: Display, name: str, other: CaseLoad) -> Iterator[str]:
@@ -168,19 +168,24 @@ def _share_of_yielding(load: CaseLoad, display: Display, name: str, other: CaseL
 
 def variant_table(result: SealSolution) -> ReadableTable:
     """Results with either interface law at the load with the largest contact force; no rows without a choice."""
-    ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
+    ends = [
+        rate
+        for variant in result.interface_variants
+        for rate in (variant.leak_rate, *variant.others.values())
+    ]
     rates = [rate for rate in ends if rate is not None]
     volume = volume_of(result.case)
-    unit = volume.name_unit(units.shared_flow_unit(rates))
+    unit = result.display.name_unit(result.display.shared_flow_unit(rates), volume)
     load = result.strongest
     used = result.case.interface.plastic
     return worded_table(
+        result.display,
         "interface_laws",
         [
             {
                 "variant": variant,
                 "used": " (used)" if ("plastic" in variant.name) == used else "",
-                "leak_rate": _rates_of(variant, unit, load, volume),
+                "leak_rate": _rates_of(result.display, variant, unit, load, volume),
             }
             for variant in result.interface_variants
         ],
@@ -191,7 +196,9 @@ def variant_table(result: SealSolution) -> ReadableTable:
     )
 
 
-def _rates_of(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: units.LeakVolume) -> str:
+def _rates_of(
+    display: Display, variant: Comparison, unit: units.Unit, load: CaseLoad, volume: units.LeakVolume
+) -> str:
     """The leak rate in all scenarios that stand beside each other, or the only one."""
     claimed = not load.validity.outside_theory
     if variant.leak_rate is None:
@@ -199,20 +206,22 @@ def _rates_of(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: uni
     ends = Bounds.of([variant.leak_rate, *variant.others.values()])
     digits = min(load.leak_digits, 2 if ends.is_range else 3)
     texts = [
-        units.format_digits(unit.of(one), digits) if one else units.leak_rate_text(0.0, claimed=claimed)
-        for one in map(volume.measurable, ends)
+        units.format_digits(unit.of(end), digits) if end else display.leak_rate(0.0, claimed=claimed)
+        for end in map(volume.measurable, ends)
     ]
     return units.range_text(*texts)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
     first, sentences = headline(result, display), list(_sentences(result, display))
-    return AnswerPage(section=worded_section("theories", sentences), details=[first] if first else ())
+    return AnswerPage(
+        section=worded_section(display, "theories", sentences), details=[first] if first else ()
+    )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     summary=lambda result: {
-        "theories": list(_sentences(result, result.case.display)) or None,
+        "theories": list(_sentences(result, result.display)) or None,
         "interface_variants": [by_scenario(asdict(variant)) for variant in result.interface_variants] or None,
     },
     page=_page,

@@ -9,22 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal import units
 from fem_seal.answers import leakage_class
-from fem_seal.answers.judgement import (
-    RANK,
-    Limit,
-    SealVerdict,
-    Utilisation,
-    Verdict,
-    VerdictReason,
-    worst_of,
-)
+from fem_seal.answers.judgement import RANK, Limit, SealVerdict, Utilisation, Verdict, VerdictReason, worst_of
 from fem_seal.case.fields import Bubbles, NormalVolume
 from fem_seal.materials import ROOM_TEMPERATURE
-from fem_seal.output.shown import AnswerPage, Shown, Tile, decisive, worded_section
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, decisive, worded_section
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
-from fem_seal.wording import phrase
+from fem_seal.units import Display
+from fem_seal.wording import say
 from leak import millilitres_per_minute
 
 if TYPE_CHECKING:
@@ -32,7 +25,6 @@ if TYPE_CHECKING:
     from fem_seal.answers.judgement import VerdictForce
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.units import Display
 
 
 # Factors beyond this are shown as "more than".
@@ -77,8 +69,13 @@ def verdict_words(verdict: Verdict) -> str:
     Parameters
     ----------
     verdict : Verdict
+
+    Examples
+    --------
+    >>> verdict_words(Verdict.PASS), verdict_words(Verdict.FAIL_UNLESS)
+    ('pass', 'fail unless the model error is larger than stated')
     """
-    return phrase("verdict.words", verdict)
+    return f"{verdict} the model error is larger than stated" if verdict.endswith("unless") else str(verdict)
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
@@ -88,10 +85,10 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    found = result.judgement
-    if found is None:
+    judgement = result.judgement
+    if judgement is None:
         return []
-    return [f"{verdict_in_brief(result)}.", *_basis(result, found)]
+    return [f"{verdict_in_brief(result)}.", *_basis(result, judgement)]
 
 
 def verdict_in_brief(result: SealSolution) -> str:
@@ -101,33 +98,33 @@ def verdict_in_brief(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    found = result.judgement
-    if found is None:
+    judgement = result.judgement
+    if judgement is None:
         return ""
-    told, passes = _verdict(result, found), _passes(result, found)
-    return f"{told}; {passes}" if passes and found.verdict is Verdict.INCONCLUSIVE else told
+    line, passes = _verdict(result, judgement), _passes(result, judgement)
+    return f"{line}; {passes}" if passes and judgement.verdict is Verdict.INCONCLUSIVE else line
 
 
-def _passes(result: SealSolution, found: SealVerdict) -> str:
+def _passes(result: SealSolution, judgement: SealVerdict) -> str:
     """How many seals pass at the deciding load; empty where nobody knows."""
-    passing = None if found.number is None else result.loads[found.number].chance
+    passing = None if judgement.number is None else result.loads[judgement.number].chance
     if passing is None or passing.why_none:
         return ""
-    return phrase("verdict.passes", "brief", share=_in_percent(passing.share))
+    return say(result.display, "verdict", "passes_brief", share=_in_percent(passing.share))
 
 
-def _digits(result: SealSolution, found: SealVerdict) -> int:
+def _digits(result: SealSolution, judgement: SealVerdict) -> int:
     """Significant digits of the deciding leak rate, two at most, as for an interval."""
-    return 2 if found.number is None else min(result.loads[found.number].leak_digits, 2)
+    return 2 if judgement.number is None else min(result.loads[judgement.number].leak_digits, 2)
 
 
-def _doubt(result: SealSolution, found: SealVerdict) -> str:
+def _doubt(result: SealSolution, judgement: SealVerdict) -> str:
     """Reason why the deciding load is doubtful; empty if it is not, and where it fails whatever the doubt."""
-    if found.number is None or found.worst.why not in (VerdictReason.LIMIT, VerdictReason.INTERVAL):
+    if judgement.number is None or judgement.worst.why not in (VerdictReason.LIMIT, VerdictReason.INTERVAL):
         return ""
-    if found.worst.verdict is Verdict.FAIL and found.worst.times_over > ORDERS_OF_MAGNITUDE:
+    if judgement.worst.verdict is Verdict.FAIL and judgement.worst.times_over > ORDERS_OF_MAGNITUDE:
         return ""
-    validity = result.loads[found.number].validity
+    validity = result.loads[judgement.number].validity
     return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
 
 
@@ -139,92 +136,94 @@ _BY_INTERVAL = (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCUR
 _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
 
-def _place(result: SealSolution, found: SealVerdict) -> str:
-    if found.number is not None:
-        return load_name(result.loads[found.number], result.every_load)
-    pressure = units.format_quantity("fluid pressure", found.fluid_pressure)
-    return (
-        f"{pressure} with {units.format_quantity('force', found.applied_force)}"
-        if found.applied_force
-        else pressure
-    )
+def _place(result: SealSolution, judgement: SealVerdict) -> str:
+    if judgement.number is not None:
+        return load_name(result.loads[judgement.number], result.every_load)
+    pressure = result.display.quantity(judgement.fluid_pressure, "given fluid pressure")
+    if judgement.applied_force:
+        return f"{pressure} with {result.display.quantity(judgement.applied_force, 'given force')}"
+    return pressure
 
 
-def _verdict(result: SealSolution, found: SealVerdict) -> str:
-    judged, limit, key = found.worst, found.worst.limit, _sentence(found)
-    digits, volume, load = _digits(result, found), leakage_class.volume_of(result.case), _place(result, found)
-    if found.number is not None and result.loads[found.number].after_test:
+def _verdict(result: SealSolution, judgement: SealVerdict) -> str:
+    display = result.display
+    worst, limit, key = judgement.worst, judgement.worst.limit, _sentence(judgement)
+    digits = _digits(result, judgement)
+    volume = leakage_class.volume_of(result.case)
+    load = _place(result, judgement)
+    if judgement.number is not None and result.loads[judgement.number].after_test:
         load = f"{load} after the leak test"
-    if judged.verdict is not Verdict.INCONCLUSIVE and _doubt(result, found):
+    if worst.verdict is not Verdict.INCONCLUSIVE and _doubt(result, judgement):
         load = f"{load}, with doubt"
-    measured = [volume.measurable(end) for end in judged.ends]
+    measured = [volume.measurable(end) for end in worst.ends]
     if key in ("pass", "invisible") and not measured[1]:
         key = "unmeasurable"
     low, high = measured
     # the ends in the sentence have the same unit as the limit
-    beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
+    rates = {"pass": worst.ends[1:], "fail": worst.ends[:1]}.get(key, worst.ends)
     over = [end / limit.leak_rate for end in measured]
     # what is seen has no number beside which others stand
     compared = 0.0 if limit.visible else limit.leak_rate
-    own, allowed = limit.name == leakage_class.OF_LEAK_RATE, _limit_text(limit, beside=beside)
+    of_case, allowed = (limit.name == leakage_class.OF_LEAK_RATE, _limit_text(display, limit, rates=rates))
     of = f" of {limit.test_fluid}" if limit.test_fluid else ""
     written = _as_written(limit.leak_rate).removeprefix(", ")
-    return phrase(
-        "verdict.line",
-        key,
+    return say(
+        display,
+        "verdict",
+        f"line_{key}",
         load=load,
-        who="the limit" if own else limit.name,
+        who="the limit" if of_case else limit.name,
         compared=f"the allowed {allowed}{f' ({written})' if written else ''}"
-        if own
+        if of_case
         else f"the {allowed} of {limit.name}",
-        low=f"{_amount(low, digits, compared)}{of}",
-        high=f"{_amount(high, digits, compared)}{of}",
-        range=_range(low, high, digits, compared),
-        factor=factor_text(judged.margin, digits),
+        low=f"{_amount(display, low, digits, compared)}{of}",
+        high=f"{_amount(display, high, digits, compared)}{of}",
+        range=_range(display, low, high, digits, compared),
+        factor=factor_text(worst.margin, digits),
         times_low=factor_text(over[0], digits),
-        times_range=units.range_text(*(factor_text(one, digits) for one in over)),
+        times_range=units.range_text(*(factor_text(ratio, digits) for ratio in over)),
         fluid=limit.test_fluid,
-        reason=judged.reason,
-        off=factor_text(judged.off),
-        doubts=_doubts(result, found),
-        likely=f" ({passes})" if (passes := _passes(result, found)) else "",
+        reason=worst.reason,
+        off=factor_text(worst.off),
+        doubts=_doubts(result, judgement),
+        likely=f" ({passes})" if (passes := _passes(result, judgement)) else "",
     )
 
 
-def _doubts(result: SealSolution, found: SealVerdict) -> str:
+def _doubts(result: SealSolution, judgement: SealVerdict) -> str:
     """By what the calculation may be off in the direction of the limit: "lay, long waves"."""
-    if found.number is None:
+    if judgement.number is None:
         return ""
-    more = found.worst.verdict is Verdict.PASS_UNLESS
+    more = judgement.worst.verdict is Verdict.PASS_UNLESS
     return ", ".join(
-        dict.fromkeys(one.kind for one in result.loads[found.number].leak_validity.widens(more=more))
+        dict.fromkeys(cause.kind for cause in result.loads[judgement.number].leak_validity.widens(more=more))
     )
 
 
-def _sentence(found: SealVerdict) -> str:
+def _sentence(judgement: SealVerdict) -> str:
     """Key of the sentence."""
-    judged = found.worst
-    if judged.why is VerdictReason.UNKNOWN and found.number is None:
+    worst = judgement.worst
+    if worst.why is VerdictReason.UNKNOWN and judgement.number is None:
         return "no_result"
-    if judged.why is VerdictReason.UNKNOWN and math.isnan(judged.limit.leak_rate):
+    if worst.why is VerdictReason.UNKNOWN and math.isnan(worst.limit.leak_rate):
         return "no_limit"
-    if judged.why is VerdictReason.ACCURACY:
-        return judged.verdict
-    if judged.why is VerdictReason.FAR and not judged.reason:
+    if worst.why is VerdictReason.ACCURACY:
+        return worst.verdict
+    if worst.why is VerdictReason.FAR and not worst.reason:
         return "far_unsampled"
-    if judged.why is not VerdictReason.LIMIT:
-        return judged.why
-    if judged.verdict == "fail":
-        return "visible_fail" if judged.limit.visible else "fail"
-    if math.isinf(judged.margin):
+    if worst.why is not VerdictReason.LIMIT:
+        return worst.why
+    if worst.verdict == "fail":
+        return "visible_fail" if worst.limit.visible else "fail"
+    if math.isinf(worst.margin):
         return "sealed"
-    return "invisible" if judged.limit.visible else "pass"
+    return "invisible" if worst.limit.visible else "pass"
 
 
 def _state(case: Case, limit: Limit) -> str:
     """In which a gas is measured: of a standard that tests with another one that of its test."""
     tested = units.LeakVolume.of_gas(ROOM_TEMPERATURE) if limit.test_fluid else leakage_class.volume_of(case)
-    return tested.state
+    return case.display.state_of(tested)
 
 
 def _as_written(leak_rate: float) -> str:
@@ -239,57 +238,61 @@ def _as_written(leak_rate: float) -> str:
     return ""
 
 
-def allowed_in_words(loads: Sequence[AnyLoad]) -> str:
+def allowed_in_words(display: Display, loads: Sequence[AnyLoad]) -> str:
     """What the loads are held against, in a clause: "allowed: 0.3 ml/min"; empty where nothing is required.
 
     Parameters
     ----------
+    display : Display
     loads : sequence of CaseLoad or MissingLoad
         Those without a judgement are passed over.
     """
-    judged = [load for load in loads if getattr(load, "judgement", None) is not None]
-    found = [load.judgement.limit for load in judged]  # type: ignore[union-attr]
-    known = [one for one in found if one.visible or not math.isnan(one.leak_rate)]
-    if not known:
+    judged_loads = [load for load in loads if getattr(load, "judgement", None) is not None]
+    limits = [load.judgement.limit for load in judged_loads]  # type: ignore[union-attr]
+    known_limits = [limit for limit in limits if limit.visible or not math.isnan(limit.leak_rate)]
+    if not known_limits:
         return ""
-    rates = [one.leak_rate for one in known]
-    if any(one.visible for one in known):
-        allowed = _limit_text(known[0])
+    rates = [limit.leak_rate for limit in known_limits]
+    if any(limit.visible for limit in known_limits):
+        allowed = _limit_text(display, known_limits[0])
     elif len(set(rates)) == 1:
-        allowed = units.format_quantity("flow", rates[0], units.DIGITS)
+        allowed = display.quantity(rates[0], f"given flow {units.DIGITS}")
     else:
-        allowed = units.leak_range_text((min(rates), max(rates)))
-    names = [one.name for one in known if one.name != leakage_class.OF_LEAK_RATE]
-    of = f" of {known[0].test_fluid}" if known[0].test_fluid else ""
+        allowed = display.leak_range((min(rates), max(rates)))
+    names = [limit.name for limit in known_limits if limit.name != leakage_class.OF_LEAK_RATE]
+    of = f" of {known_limits[0].test_fluid}" if known_limits[0].test_fluid else ""
     if isinstance(rates[0], Bubbles):
-        own = f" of {_bubble(rates[0].volume)}"
+        origin = f" of {_bubble(rates[0].volume)}"
     else:
-        own = "".join(f" ({name})" for name in dict.fromkeys(names)) or _as_written(rates[0])
-    return phrase("verdict.check", "beside", allowed=f"{allowed}{of}{own}")
+        origin = "".join(f" ({name})" for name in dict.fromkeys(names)) or _as_written(rates[0])
+    return say(display, "verdict", "check_beside", allowed=f"{allowed}{of}{origin}")
 
 
-def _basis(result: SealSolution, found: SealVerdict) -> Iterator[str]:
+def _basis(result: SealSolution, judgement: SealVerdict) -> Iterator[str]:
     """Sentences that follow the verdict: its assumptions, its load, and what would turn it."""
+    display = result.display
     if tests := worst_of(result.standard_tests):
-        yield phrase("standard_tests.says", "verdict", verdict=verdict_words(tests))
+        yield say(display, "standard_tests", "says_verdict", verdict=verdict_words(tests))
     if likely := _pass_sentence(result):
         yield likely
     volume = leakage_class.volume_of(result.case)
-    if volume.state and found.worst.why not in _WITHOUT_RATES:
-        yield phrase("verdict.basis", "volume", state=_state(result.case, found.worst.limit))
-    limit, decided = found.worst.limit, found.worst.why in _BY_INTERVAL
+    if display.state_of(volume) and judgement.worst.why not in _WITHOUT_RATES:
+        yield say(display, "verdict", "basis_volume", state=_state(result.case, judgement.worst.limit))
+    limit, decided = judgement.worst.limit, judgement.worst.why in _BY_INTERVAL
     if limit.bubble_volume is not None:
-        yield phrase("verdict.basis", "bubble", **_bubbles(limit))
-    if limit.test_fluid and decided and not math.isinf(found.margin):
-        yield phrase("verdict.basis", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
-    if reason := _doubt(result, found):
-        yield phrase("verdict.basis", "doubtful", reason=reason, load=_place(result, found))
+        yield say(display, "verdict", "basis_bubble", **_bubbles(display, limit))
+    if limit.test_fluid and decided and not math.isinf(judgement.margin):
+        yield say(
+            display, "verdict", "basis_converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio))
+        )
+    if reason := _doubt(result, judgement):
+        yield say(display, "verdict", "basis_doubtful", reason=reason, load=_place(result, judgement))
     if measured := would_pass(result):
         yield f"{measured}."
-    yield from _in_scenarios(result, found)
-    count = len(found.load_numbers) + found.left_out
+    yield from _in_scenarios(result, judgement)
+    count = len(judgement.load_numbers) + judgement.left_out
     if count > 1:
-        yield phrase("verdict.basis", "several", count=count, load=_place(result, found))
+        yield say(display, "verdict", "basis_several", count=count, load=_place(result, judgement))
 
 
 def would_pass(result: SealSolution) -> str:
@@ -299,76 +302,82 @@ def would_pass(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    found = result.judgement
+    judgement = result.judgement
     undecided = _BY_INTERVAL[1:]
-    if found is None or found.number is None or found.worst.why not in undecided:
+    if judgement is None or judgement.number is None or judgement.worst.why not in undecided:
         return ""
-    heights = [_passing_height(result, number) for number in found.load_numbers]
-    height, number = min(zip(heights, found.load_numbers, strict=True))
+    heights = [_passing_height(result, number) for number in judgement.load_numbers]
+    height, number = min(zip(heights, judgement.load_numbers, strict=True))
     if height < _LOWEST_HEIGHT:
         return ""
     profiles, load = result.error_shares[number].by_profiles, result.loads[number]
     assert profiles is not None  # of a height
-    yields = any(one.kind == YIELD_STRESS for one in load.validity.cautions)
+    yields = any(caution.kind == YIELD_STRESS for caution in load.validity.cautions)
     at, length = load_name(load, result.loads), profiles.length
-    return phrase("verdict.turns", "profile", "curve" if yields else "", length=length, height=height, at=at)
+    return say(result.display, "verdict", "turns_profile", length=length, height=height, at=at, curve=yields)
 
 
 def _passing_height(result: SealSolution, number: int) -> float:
     """Rms height over the usual one up to which a load passes with measured profiles; zero where nobody knows."""
     profiles = result.error_shares[number].by_profiles if number < len(result.error_shares) else None
     load = result.loads[number]
-    judged = load.judgement
-    if profiles is None or judged is None or load.leak_interval is None or judged.why not in _BY_INTERVAL:
+    judgement = load.judgement
+    if (
+        profiles is None
+        or judgement is None
+        or load.leak_interval is None
+        or judgement.why not in _BY_INTERVAL
+    ):
         return 0.0
-    return profiles.passing_height(judged.margin * load.leak_interval.high)
+    return profiles.passing_height(judgement.margin * load.leak_interval.high)
 
 
-def _in_scenarios(result: SealSolution, found: SealVerdict) -> Iterator[str]:
+def _in_scenarios(result: SealSolution, judgement: SealVerdict) -> Iterator[str]:
     """Verdict in a scenario with contacts of its own, if it differs."""
-    sampled = found.number is not None and result.loads[found.number].sample_ends is not None
-    for name, (place, judged, own) in result.judgement_beside.items():
-        yield phrase(
-            "verdict.basis",
-            "beside_as_given" if sampled else "beside",
+    sampled = judgement.number is not None and result.loads[judgement.number].sample_ends is not None
+    for name, (place, verdict, usual) in result.judgement_beside.items():
+        yield say(
+            result.display,
+            "verdict",
+            f"basis_{'beside_as_given' if sampled else 'beside'}",
             scenario=SCENARIOS[name].title,
-            verdict=verdict_words(judged.verdict),
-            own=verdict_words(own),
-            rate=units.leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),
+            verdict=verdict_words(verdict.verdict),
+            usual=verdict_words(usual),
+            rate=result.display.leak_range(verdict.ends, 2, beside=(verdict.limit.leak_rate,)),
             load=load_name(result.loads[place], result.loads),
         )
 
 
-def _bubbles(limit: Limit) -> dict[str, str]:
+def _bubbles(display: Display, limit: Limit) -> dict[str, str]:
     """Volume of one bubble, and how many of them a limit allows; none of these where no leakage may be visible."""
     volume = limit.bubble_volume
     if not volume or limit.visible or math.isnan(limit.leak_rate):
         return {"volume": _bubble(volume or 0.0), "most": ""}
     count = units.trim_zeros(units.round_digits(60.0 * limit.leak_rate / volume, 3))
-    return {"volume": _bubble(volume), "most": phrase("verdict.check", "bubbles", count=count)}
+    return {"volume": _bubble(volume), "most": say(display, "verdict", "check_bubbles", count=count)}
 
 
 def _bubble(volume: float) -> str:
     return f"{units.trim_zeros(units.round_digits(1e6 * volume, 2))} ml"
 
 
-def _amount(leak_rate: float, digits: int, limit: float) -> str:
+def _amount(display: Display, leak_rate: float, digits: int, limit: float) -> str:
     """A leak rate with enough digits to be on the correct side of the limit in the sentence."""
     if not 0 < leak_rate < math.inf:
-        return units.leak_range_text(leak_rate)
-    unit = units.flow_unit((leak_rate, limit)) or units.unit_for("flow", leak_rate)
+        return display.leak_range(leak_rate)
+    unit = display.flow_unit((leak_rate, limit)) or display.unit_for("flow", leak_rate)
     value, allowed = unit.of(leak_rate), units.round_digits(unit.of(limit), 2)
     return f"{units.format_digits(value, units.digits_at_limit(value, allowed, digits))} {unit.name}"
 
 
-def _range(low: float, high: float, digits: int, limit: float) -> str:
-    return units.leak_range_text((low, high), digits, beside=(limit,))
+def _range(display: Display, low: float, high: float, digits: int, limit: float) -> str:
+    return display.leak_range((low, high), digits, beside=(limit,))
 
 
-def _limit_text(limit: Limit, beside: Collection[float] = ()) -> str:
+def _limit_text(display: Display, limit: Limit, rates: Collection[float] = ()) -> str:
     if limit.visible:
         return "no visible leakage"
-    return units.leak_range_text(limit.leak_rate, 2, beside=beside)
+    return display.leak_range(limit.leak_rate, 2, beside=rates)
 
 
 def used_in_words(result: SealSolution, shares: Utilisation) -> str:
@@ -380,7 +389,7 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
     shares : Utilisation
     """
     return ", ".join(
-        phrase("verdict.used", name, share=share, body=result.case.label_of(shares.body))
+        say(result.display, "verdict", f"used_{name}", share=share, body=result.case.label_of(shares.body))
         for name, share in _shares(result, shares).items()
     )
 
@@ -388,10 +397,10 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
 def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
     """Known shares, in per cent."""
     digits = min(2, *(load.pressure_digits for load in result.loads))
-    known = {"yield": shares.yield_stress, "hardness": shares.hardness}
+    bodies = {"yield": shares.yield_stress, "hardness": shares.hardness}
     used = {
         name: f"{units.format_digits(100 * share, units.digits_at_limit(100 * share, 100, digits))} %"
-        for name, share in known.items()
+        for name, share in bodies.items()
         if share is not None
     }
     return used if shares.opening is None else {**used, "opening": units.percent(shares.opening)}
@@ -408,26 +417,37 @@ def tiles(result: SealSolution) -> Iterator[Tile]:
     ----------
     result : SealSolution
     """
-    found, load = result.judgement, decisive(result)
+    display = result.display
+    judgement, load = result.judgement, decisive(result)
     level, likely = load.validity.level, least_likely(result.loads)
-    if found is not None:
-        known = factor_text(found.margin, _digits(result, found)) if math.isfinite(found.margin) else "–"
-        margin = "sealed" if math.isinf(found.margin) else known
-        yield Tile("Margin", margin, phrase("verdict.tile", "margin"), 10, level)
+    if judgement is not None:
+        margin = (
+            factor_text(judgement.margin, _digits(result, judgement))
+            if math.isfinite(judgement.margin)
+            else "–"
+        )
+        margin = "sealed" if math.isinf(judgement.margin) else margin
+        yield Tile("Margin", margin, say(display, "verdict", "tile_margin"), 10, level)
     if likely is not None and likely.chance is not None and not likely.chance.why_none:
         at = load_name(likely, result.loads)
         yield Tile(
-            "Passes", _in_percent(likely.chance.share), phrase("verdict.tile", "passes", load=at), 15, level
+            "Passes",
+            _in_percent(likely.chance.share),
+            say(display, "verdict", "tile_passes", load=at),
+            15,
+            level,
         )
     if force := load.verdict_force:
         none = "none" if force.looked_for else "not calculated"
-        value = none if force.force is None else force_to_pass(force.force)
-        remark = phrase("verdict.tile", "none" if force.force is None else "force", begins=force.begins)
+        value = none if force.force is None else force_to_pass(display, force.force)
+        remark = say(
+            display, "verdict", f"tile_{'none' if force.force is None else 'force'}", begins=force.begins
+        )
         yield Tile(FORCE_TO_PASS, value, remark, 40, load.validity.of_contact.level)
-    shares = {} if found is None else _shares(result, found.shares)
+    shares = {} if judgement is None else _shares(result, judgement.shares)
     for name, share in shares.items():
-        body = result.case.label_of(found.shares.body) if found is not None else ""
-        yield Tile(_USED[name], share, phrase("verdict.tile", name, body=body), 85, level)
+        body = result.case.label_of(judgement.shares.body) if judgement is not None else ""
+        yield Tile(_USED[name], share, say(display, "verdict", f"tile_{name}", body=body), 85, level)
 
 
 def least_likely(loads: Sequence[CaseLoad]) -> CaseLoad | None:
@@ -437,9 +457,9 @@ def least_likely(loads: Sequence[CaseLoad]) -> CaseLoad | None:
     ----------
     loads : sequence of CaseLoad
     """
-    judged = [load for load in loads if load.chance is not None]
-    known = [load for load in judged if not load.chance.why_none]  # type: ignore[union-attr]
-    return min(known or judged, key=lambda load: load.chance.share, default=None)  # type: ignore[union-attr]
+    judged_loads = [load for load in loads if load.chance is not None]
+    known_loads = [load for load in judged_loads if not load.chance.why_none]  # type: ignore[union-attr]
+    return min(known_loads or judged_loads, key=lambda load: load.chance.share, default=None)  # type: ignore[union-attr]
 
 
 def _in_percent(share: float) -> str:
@@ -454,16 +474,17 @@ def _pass_sentence(result: SealSolution) -> str:
     load = least_likely(result.loads)
     if load is None or load.chance is None:
         return ""
-    found = load.chance
-    return phrase(
-        "verdict.passes",
-        "none" if found.why_none else "tested" if load.after_test else "share",
-        "" if math.isnan(found.batch_low) else "batch",
+    chance = load.chance
+    return say(
+        result.display,
+        "verdict",
+        "passes_none" if chance.why_none else "passes_share",
+        tested=load.after_test,
         load=load_name(load, result.loads),
-        share=_in_percent(found.share),
-        error=_in_percent(found.error),
-        batch=_in_percent(found.batch_low),
-        why=found.why_none,
+        share=_in_percent(chance.share),
+        error=_in_percent(chance.error),
+        batch="" if math.isnan(chance.batch_low) else _in_percent(chance.batch_low),
+        why=chance.why_none,
     )
 
 
@@ -479,15 +500,15 @@ def next_class_in_words(case: Case, load: CaseLoad) -> str:
     case : Case
     load : CaseLoad
     """
-    found = leakage_class.next_class(case, load)
-    if found is None:
+    next_class = leakage_class.next_class(case, load)
+    if next_class is None:
         return ""
-    if found.as_calculated:
-        return phrase("verdict.next", "as_calculated", found=found)
-    if found.factor < _HARDLY:
-        return phrase("verdict.next", "near", found=found, less=1 - 1 / found.factor)
-    factor = factor_text(found.factor, min(load.leak_digits, 2))
-    return phrase("verdict.next", "class", found=found, factor=factor)
+    if next_class.as_calculated:
+        return say(case.display, "verdict", "next_as_calculated", tighter=next_class)
+    if next_class.factor < _HARDLY:
+        return say(case.display, "verdict", "next_near", tighter=next_class, less=1 - 1 / next_class.factor)
+    factor = factor_text(next_class.factor, min(load.leak_digits, 2))
+    return say(case.display, "verdict", "next_class", tighter=next_class, factor=factor)
 
 
 def next_class_of(result: SealSolution) -> str:
@@ -509,50 +530,70 @@ def basis_lines(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    found, forces = result.judgement, verdict_force_sentences(result.loads)
-    if found is None:
+    judgement, forces = result.judgement, verdict_force_sentences(result.display, result.loads)
+    if judgement is None:
         return [*filter(None, [next_class_of(result)]), *forces]
-    used = used_in_words(result, found.shares)
-    return [*_basis(result, found), *([phrase("verdict.used", "all", used=used)] if used else []), *forces]
+    used = used_in_words(result, judgement.shares)
+    return [
+        *_basis(result, judgement),
+        *([say(result.display, "verdict", "used_all", used=used)] if used else []),
+        *forces,
+    ]
 
 
-def verdict_force_sentences(loads: Sequence[CaseLoad]) -> list[str]:
+def verdict_force_sentences(display: Display, loads: Sequence[CaseLoad]) -> list[str]:
     """The force with which the verdict passes at each fluid pressure, or why none does; empty if not requested.
 
     Parameters
     ----------
+    display : Display
     loads : sequence of CaseLoad
     """
-    found = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
+    forces = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
     # a force that was not calculated has the same reason at each pressure
-    return list(dict.fromkeys(_verdict_force_sentence(pressure, one) for pressure, one in found.items()))
+    return list(
+        dict.fromkeys(_verdict_force_sentence(display, pressure, force) for pressure, force in forces.items())
+    )
 
 
-def _verdict_force_sentence(pressure: float, found: VerdictForce) -> str:
-    if not found.looked_for:
-        return phrase("verdict.force", "unasked", why=found.why_none)
-    kind, force = ("none", "") if found.force is None else ("passes", force_to_pass(found.force))
-    begins = f" {found.begins}" if found.begins else ""
-    return phrase("verdict.force", kind, pressure=pressure, begins=begins, force=force, why=found.why_none)
+def _verdict_force_sentence(display: Display, pressure: float, verdict_force: VerdictForce) -> str:
+    if not verdict_force.looked_for:
+        return say(display, "verdict", "force_unasked", why=verdict_force.why_none)
+    kind, force = (
+        ("none", "")
+        if verdict_force.force is None
+        else ("passes", force_to_pass(display, verdict_force.force))
+    )
+    begins = f" {verdict_force.begins}" if verdict_force.begins else ""
+    return say(
+        display,
+        "verdict",
+        f"force_{kind}",
+        pressure=pressure,
+        begins=begins,
+        force=force,
+        why=verdict_force.why_none,
+    )
 
 
-def force_to_pass(force: float) -> str:
+def force_to_pass(display: Display, force: float) -> str:
     """A force rounded up to three digits, so that the verdict passes with the shown value.
 
     Parameters
     ----------
+    display : Display
     force : float
         [N]
 
     Examples
     --------
-    >>> force_to_pass(75148.8)
+    >>> force_to_pass(Display(), 75148.8)
     '75.2 kN'
     """
     if force == 0.0:
-        return units.format_quantity("force", 0.0)
+        return display.quantity(0.0, "given force")
     step = 10.0 ** (math.floor(math.log10(abs(force))) - 2)
-    return units.format_quantity("force", units.round_digits(step * math.ceil(force / step - 1e-9), 3))
+    return display.quantity(units.round_digits(step * math.ceil(force / step - 1e-9), 3), "given force")
 
 
 def requirement_lines(case: Case) -> list[str]:
@@ -570,48 +611,67 @@ def requirement_lines(case: Case) -> list[str]:
         if required.judges(pressure):
             for limit in leakage_class.limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), (limit, []))[1].append(pressure)
-    lines = [_limit_line(limit, pressures) for limit, pressures in at.values()]
-    if fluid.volume.state:
-        judged = leakage_class.limits(case, case.load.fluid_pressure[0])
+    lines = [_limit_line(case.display, limit, pressures) for limit, pressures in at.values()]
+    if case.display.state_of(fluid.volume):
+        limits = leakage_class.limits(case, case.load.fluid_pressure[0])
         lines += [
-            phrase("verdict.check", "volume", state=state)
-            for state in dict.fromkeys(_state(case, one) for one in judged)
+            say(case.display, "verdict", "check_volume", state=state)
+            for state in dict.fromkeys(_state(case, limit) for limit in limits)
         ]
     for limit in leakage_class.limits(case, case.load.fluid_pressure[0]):
         if limit.name != leakage_class.OF_LEAK_RATE:
             per_length = limit.name.startswith(tuple(leakage_class.PER_LENGTH))
             lines.append(
-                phrase("verdict.check", "size", size=leakage_class.class_size(case, per_length=per_length)[1])
+                say(
+                    case.display,
+                    "verdict",
+                    "check_size",
+                    size=leakage_class.class_size(case, per_length=per_length)[1],
+                )
             )
         if limit.bubble_volume is not None:
-            lines.append(phrase("verdict.check", "bubble", **_bubbles(limit)))
+            lines.append(say(case.display, "verdict", "check_bubble", **_bubbles(case.display, limit)))
         if limit.test_fluid:
             ratio = tuple(sorted(limit.ratio))
             lines.append(
-                phrase("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name)
+                say(
+                    case.display,
+                    "verdict",
+                    "check_fluid",
+                    fluid=limit.test_fluid,
+                    ratio=ratio,
+                    fluid_of_case=fluid.name,
+                )
             )
     return lines
 
 
-def _limit_line(limit: Limit, pressures: Sequence[float]) -> str:
+def _limit_line(display: Display, limit: Limit, pressures: Sequence[float]) -> str:
     kind = "none" if math.isnan(limit.leak_rate) else "zero" if limit.visible else "limit"
     ends = min(pressures), max(pressures)
     several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
-    allowed, si = _limit_text(limit), limit.leak_rate
-    return phrase(
-        "verdict.check", kind, limit=limit.name, allowed=allowed, si=si, loads=ends, several=several
+    allowed, si = _limit_text(display, limit), limit.leak_rate
+    return say(
+        display,
+        "verdict",
+        f"check_{kind}",
+        limit=limit.name,
+        allowed=allowed,
+        si=si,
+        loads=ends,
+        several=several,
     )
 
 
 def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
     """The verdict on the requirement with its basis; None without a requirement."""
-    found = result.judgement
-    if found is None:
+    judgement = result.judgement
+    if judgement is None:
         return None
-    worst, shares, likely = found.worst, found.shares, least_likely(result.loads)
+    worst, shares, likely = judgement.worst, judgement.shares, least_likely(result.loads)
     return {
-        "verdict": str(found.verdict),
-        "margin": found.margin,
+        "verdict": str(judgement.verdict),
+        "margin": judgement.margin,
         "pass_probability": None if likely is None else likely.pass_probability,
         "pass_probability_error": None if likely is None else likely.pass_probability_error,
         "batch_share_p05": None if likely is None else likely.batch_share_p05,
@@ -622,10 +682,10 @@ def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
         "leak_rate_low_m3_per_s": worst.ends[0],
         "leak_rate_high_m3_per_s": worst.ends[1],
         "decided_by": str(worst.why),
-        "fluid_pressure_Pa": found.fluid_pressure,
-        "applied_force_N": found.applied_force,
-        "judged_loads": len(found.load_numbers),
-        "loads_without_result": found.left_out,
+        "fluid_pressure_Pa": judgement.fluid_pressure,
+        "applied_force_N": judgement.applied_force,
+        "judged_loads": len(judgement.load_numbers),
+        "loads_without_result": judgement.left_out,
         "share_of_yield_stress": shares.yield_stress,
         "share_of_hardness": shares.hardness,
         "margin_to_opening": shares.opening,
@@ -637,12 +697,12 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     return AnswerPage(
         tiles=[*tiles(result)],
         decides=[next_class] if next_class else (),
-        section=worded_section("verdict", basis) if result.judgement is not None else None,
+        section=worded_section(display, "verdict", basis) if result.judgement is not None else None,
         details=basis,
     )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     summary=lambda result: {
         "requirement": verdict_numbers(result),
         "verdict_force": [

@@ -16,7 +16,6 @@ from fem_seal.output.pictures.colours import GREY, INK, ORANGE
 from fem_seal.output.pictures.contact import SCALE_ROOM, even_levels, scale_of_colours
 from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.load_result import distinct_loads, load_axis, load_name
-from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
     from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
+    from fem_seal.units import Display
 
 # Pressures below this share of the largest stay white.
 _FAINT = 0.02
@@ -45,12 +45,13 @@ def unrolled_picture(result: SealSolution) -> style.Picture | None:
     if load.around is None or not load.around.form.felt_waves:
         return None
     around, name = load.around, load_name(load, result.loads)
-    every = math.ceil(len(around.angle) / _ANGLES)
-    angle, (pressure, _) = around.angle[::every], around.pressure_and_gap(every)
+    step = math.ceil(len(around.angle) / _ANGLES)
+    angle, (pressure, _) = around.angle[::step], around.pressure_and_gap(step)
     profile = around.local.mean.profiles[0]
     strongest = replace(profile, pressure=pressure[int(np.argmax(pressure.max(axis=1)))])
     reach = min(_REACH * strongest.std + abs(strongest.centroid), float(np.abs(profile.x).max()))
-    length, unit = unit_for("length", reach), unit_for("contact pressure", float(pressure.max()))
+    length = result.display.unit_for("length", reach)
+    unit = result.display.unit_for("contact pressure", float(pressure.max()))
     figure, (axes,) = style.panels(1, height=3.5, side=SCALE_ROOM)
     largest = unit.of(float(pressure.max()))
     whole_turn = np.append(angle, 2 * math.pi) / _DEGREE
@@ -70,7 +71,7 @@ def unrolled_picture(result: SealSolution) -> style.Picture | None:
     _turn(axes)
     scale_of_colours([axes], bands, f"contact pressure  [{unit.name}]", lowest="0")
     parted = bool(np.isnan(peaks).any())
-    return style.captioned(figure, "unrolled", "map", "parted" if parted else "", load=name)
+    return style.captioned(result.display, figure, "unrolled", "map", "parted" if parted else "", load=name)
 
 
 def line_load_picture(result: SealSolution) -> style.Picture | None:
@@ -80,38 +81,43 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
     ----------
     result : SealSolution
     """
-    shown = _choose_loads(result)
-    if not shown:
+    chosen_loads = _choose_loads(result)
+    if not chosen_loads:
         return None
     figure, (loads, form) = _round_panels()
-    over, colour = load_axis(result.loads), style.load_colours(len(shown))
+    over, colour = load_axis(result.loads), style.load_colours(len(chosen_loads))
     mean = np.ones(361)
     circle = np.linspace(0.0, 2 * math.pi, 361)
     loads.plot(circle, mean, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)), label="mean")
-    for n, (load, around) in enumerate(shown):
+    for n, (load, around) in enumerate(chosen_loads):
         share = around.line_load / around.line_load.mean()
         loads.plot(
             *_close_turn(around.angle, share), color=colour(n), label=over.names[result.loads.index(load)]
         )
-    most = max(around.most_over_mean for _, around in shown)
+    most = max(around.most_over_mean for _, around in chosen_loads)
     loads.set_ylim(0.0, 1.08 * most)
     _round_label(loads, "Line load over its mean")
     loads.legend(title=over.name, loc="center left", bbox_to_anchor=(1.14, 0.5), handlelength=1.4)
-    around = shown[-1][1]
-    _form_error(form, around, circle)
+    around = chosen_loads[-1][1]
+    _form_error(result.display, form, around, circle)
     return style.captioned(
-        figure, "line_load_around", "both", "" if around.form.guided else "free", **result.case.labels
+        result.display,
+        figure,
+        "line_load_around",
+        "both",
+        "" if around.form.guided else "free",
+        **result.case.labels,
     )
 
 
-def _form_error(axes: Axes, around: Circumference, circle: FloatArray) -> None:
+def _form_error(display: Display, axes: Axes, around: Circumference, circle: FloatArray) -> None:
     """The change of the gap, drawn as a roundness chart."""
     gap = around.gap_change
     largest = float(np.abs(gap).max())
-    unit = unit_for("length", largest)
-    shown, base = gap / unit.size, 2.2 * largest / unit.size or 1.0
+    unit = display.unit_for("length", largest)
+    heights, base = gap / unit.size, 2.2 * largest / unit.size or 1.0
     axes.plot(circle, np.full_like(circle, base), color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
-    axes.plot(*_close_turn(around.angle, base + shown), color=ORANGE)
+    axes.plot(*_close_turn(around.angle, base + heights), color=ORANGE)
     step = _even_step(largest / unit.size)
     axes.set_ylim(0.0, base + 1.25 * largest / unit.size)
     ticks = [-step, 0.0, step] if step else [0.0]
@@ -128,7 +134,7 @@ def _even_step(largest: float) -> float:
     if largest <= 0:
         return 0.0
     power = 10.0 ** math.floor(math.log10(largest * (1 + 1e-9)))
-    return power * max(one for one in (1.0, 2.0, 5.0) if one * power <= largest * (1 + 1e-9))
+    return power * max(factor for factor in (1.0, 2.0, 5.0) if factor * power <= largest * (1 + 1e-9))
 
 
 def draw_line_load(axes: Axes, result: SealSolution) -> bool:
@@ -144,20 +150,20 @@ def draw_line_load(axes: Axes, result: SealSolution) -> bool:
     bool
         Whether there is any: not of a round seal.
     """
-    shown, over = _choose_loads(result), load_axis(result.loads)
-    colour = style.load_colours(len(shown))
-    for n, (load, around) in enumerate(shown):
+    chosen_loads, over = _choose_loads(result), load_axis(result.loads)
+    colour = style.load_colours(len(chosen_loads))
+    for n, (load, around) in enumerate(chosen_loads):
         share = around.line_load / around.line_load.mean()
         turn, closed = _close_turn(around.angle / _DEGREE, share, 360.0)
         axes.plot(turn, closed, color=colour(n), label=over.names[result.loads.index(load)])
-    if shown:
+    if chosen_loads:
         axes.set_ylim(0.0)
         axes.legend(title=over.name, loc="best", handlelength=1.4)
         style.label(
             axes, "Line load around the axis", "angle around the axis  [°]", "line load over its mean"
         )
         _turn(axes)
-    return bool(shown)
+    return bool(chosen_loads)
 
 
 def leak_around_picture(result: SealSolution) -> style.Picture | None:
@@ -167,18 +173,19 @@ def leak_around_picture(result: SealSolution) -> style.Picture | None:
     ----------
     result : SealSolution
     """
-    shown = _leaking_around(result)
-    if not shown:
+    curves = _leaking_around(result)
+    if not curves:
         return None
     figure, (axes,) = style.panels(1, height=3.3)
     draw_leak_around(axes, result)
-    rates = [rate for load, _, own in shown for rate in (own, *_in_others(load))]
+    rates = [rate for load, _, rates in curves for rate in (rates, *_in_others(load))]
     scratched = any(around.scratches is not None for _, around in _choose_loads(result))
     return style.captioned(
+        result.display,
         figure,
         "leak_around",
         "lines",
-        "others" if any(_in_others(load) for load, _, _ in shown) else "",
+        "others" if any(_in_others(load) for load, _, _ in curves) else "",
         "sealed" if any((rate == 0).any() for rate in rates) else "",
         "scratches" if scratched else "",
     )
@@ -197,13 +204,14 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
     bool
         Whether there is any.
     """
-    shown = _leaking_around(result)
-    if not shown:
+    display = result.display
+    curves = _leaking_around(result)
+    if not curves:
         return False
-    over, colour = load_axis(result.loads), style.load_colours(len(shown))
-    rates = np.concatenate([rate for _, _, rate in shown])
-    unit = volume_of(result.case).name_unit(unit_for("flow", float(rates.max())))
-    for n, (load, angle, rate) in enumerate(shown):
+    over, colour = load_axis(result.loads), style.load_colours(len(curves))
+    rates = np.concatenate([rate for _, _, rate in curves])
+    unit = display.name_unit(display.unit_for("flow", float(rates.max())), volume_of(result.case))
+    for n, (load, angle, rate) in enumerate(curves):
         name = over.names[result.loads.index(load)]
         others, dashed = _in_others(load), {"linestyle": "--", "linewidth": 1.0}
         lines: list[tuple[FloatArray, dict[str, Any]]] = [(rate, {"label": name})]
@@ -236,17 +244,17 @@ def _leaking_around(result: SealSolution) -> list[tuple[CaseLoad, FloatArray, Fl
 def _in_others(load: CaseLoad) -> list[FloatArray]:
     """Leak around the axis in the other readings of yielding asperities [m^3/s per degree]."""
     return [
-        one.around.leak_rate * _DEGREE
-        for one in load.others.values()
-        if one.around and one.around.leak_rate is not None
+        scenario.around.leak_rate * _DEGREE
+        for scenario in load.others.values()
+        if scenario.around and scenario.around.leak_rate is not None
     ]
 
 
 def _choose_loads(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in distinct_loads(result.loads)]
-    known = [(load, load.around) for load in loads if load.around and load.around.form.felt_waves]
-    return [known[n] for n in style.few(len(known), _LINES)] if known else []
+    uneven = [(load, load.around) for load in loads if load.around and load.around.form.felt_waves]
+    return [uneven[n] for n in style.few(len(uneven), _LINES)] if uneven else []
 
 
 def _close_turn(

@@ -16,8 +16,8 @@ from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.seal.load_result import LoadAxis, distinct_loads, load_axis, load_name
-from fem_seal.units import Unit, fixed_unit, format_quantity, quantity, unit_for
-from fem_seal.wording import phrase
+from fem_seal.units import Unit
+from fem_seal.wording import say
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import UnloadedBodies
+    from fem_seal.units import Display
     from meshes import ContactGeometry, SealMesh
 
 
@@ -58,31 +59,35 @@ def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture
     derived : ClosedForms
         Closed forms of the case.
     """
+    display = result.display
     loads = result.loads
     order = distinct_loads(loads)
     closed = not result.of_profile and not math.isinf(result.model.relative_radius)
-    shown = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
+    singles = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
     together = len(order) > 1 or not closed
-    figure, axes = style.panels(len(shown) + together, height=3.7, width=style.WIDTH if closed else _NARROW)
-    length = unit_for("length", _reach(loads))
+    figure, axes = style.panels(len(singles) + together, height=3.7, width=style.WIDTH if closed else _NARROW)
+    length = display.unit_for("length", _reach(loads))
     if together:
-        all_profiles(axes[0], loads, order, length)
-    for view, n in zip(axes[len(axes) - len(shown) :], shown, strict=True):
-        _against_closed_forms(view, loads[n], load_name(loads[n], loads), derived.loads[n], length)
+        all_profiles(display, axes[0], loads, order, length)
+    for view, n in zip(axes[len(axes) - len(singles) :], singles, strict=True):
+        _against_closed_forms(display, view, loads[n], load_name(loads[n], loads), derived.loads[n], length)
     words = ["start", "mean" if result.highest.circumference is not None else ""]
     if not closed:
         words += [] if result.of_profile else ["conforming"]
     else:
         words += ["hertz", "gaussian" if result.case.interface.law != "smooth" else ""]
     alt = ("alt", "alt_closed" if closed else "")
-    return style.captioned(figure, "profiles", *words, alt=alt, group="profile")
+    return style.captioned(display, figure, "profiles", *words, alt=alt, group="profile")
 
 
-def all_profiles(axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], length: Unit) -> None:
+def all_profiles(
+    display: Display, axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], length: Unit
+) -> None:
     """The pressure profiles of all different loads.
 
     Parameters
     ----------
+    display : Display
     axes : Axes
     loads : sequence of CaseLoad
     order : sequence of int
@@ -90,17 +95,17 @@ def all_profiles(axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], le
     length : Unit
         Of x.
     """
-    pressure = unit_for("contact pressure", max(load.peak_pressure for load in loads))
+    pressure = display.unit_for("contact pressure", max(load.peak_pressure for load in loads))
     colour = style.load_colours(len(order))
     over = load_axis(loads)
-    drawn = style.few(len(order), _DRAWN_LOADS)
-    named = [drawn[n] for n in style.few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
-    for n in drawn:
+    numbers = style.few(len(order), _DRAWN_LOADS)
+    named = [numbers[n] for n in style.few(len(numbers), _NAMED_LOADS if len(numbers) <= _NAMED_LOADS else 4)]
+    for n in numbers:
         name = over.names[order[n]] if n in named else None
         _plot_profiles(
             axes, loads[order[n]], "pressure", length, pressure, name, color=colour(n), linewidth=1.2
         )
-    axes.set_xlim(*(one / length.size for one in _range_in_view(loads)))
+    axes.set_xlim(*(end / length.size for end in _range_in_view(loads)))
     axes.set_ylim(0.0)
     axes.legend(title=over.name, loc="upper right", handlelength=1.2, borderpad=0.1)
     title = (
@@ -120,8 +125,10 @@ def draw_profiles(axes: Axes, result: SealSolution) -> None:
     result : SealSolution
     """
     loads = result.loads
-    length = unit_for("length", max(float(np.ptp(one.x)) for load in loads for one in load.profiles) / 4)
-    all_profiles(axes, loads, distinct_loads(loads), length)
+    length = result.display.unit_for(
+        "length", max(float(np.ptp(profile.x)) for load in loads for profile in load.profiles) / 4
+    )
+    all_profiles(result.display, axes, loads, distinct_loads(loads), length)
     axes.set_title("Contact pressure")
 
 
@@ -134,11 +141,13 @@ def _plot_profiles(
         axes.plot(x, y, label=None if number else name, **how)
 
 
-def _against_closed_forms(axes: Axes, load: CaseLoad, name: str, closed: ClosedForm, length: Unit) -> None:
+def _against_closed_forms(
+    display: Display, axes: Axes, load: CaseLoad, name: str, closed: ClosedForm, length: Unit
+) -> None:
     reach = _reach([load])
     # Hertz may be many times higher; in full height it would flatten all other curves.
     top = 1.75 * load.peak_pressure
-    pressure = unit_for("contact pressure", top)
+    pressure = display.unit_for("contact pressure", top)
     for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
         form = getattr(closed, key)
         if form is not None:
@@ -147,7 +156,7 @@ def _against_closed_forms(axes: Axes, load: CaseLoad, name: str, closed: ClosedF
             right = np.asarray(form.pressure(half)) / pressure.size
             x, y = np.append(-half[:0:-1], half), np.append(right[:0:-1], right)
             cut = form.peak_pressure > top
-            peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
+            peak = f", peak {display.quantity(form.peak_pressure, 'contact pressure')}" if cut else ""
             how: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": 1.4, "zorder": 3}
             axes.plot(x / length.size, y, label=form_name + peak, **how)
     _plot_profiles(axes, load, "pressure", length, pressure, "calculated", color=BLUE, linewidth=2.4)
@@ -166,24 +175,27 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> style.Pict
     sizes : mapping
         From `fem_seal.answers.closed_forms.profile_sizes`.
     """
+    display = result.display
     if len(result.loads) == 1:
         return None
     over = load_axis(result.loads)
     figure, axes = style.panels(2, height=3.3)
-    peak = _draw_sizes(axes[0], over, sizes, "peak_pressure", "contact pressure")
+    peak = _draw_sizes(display, axes[0], over, sizes, "peak_pressure", "contact pressure")
     style.label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak.name}]")
-    width = _draw_sizes(axes[1], over, sizes, "fwhm", "length")
+    width = _draw_sizes(display, axes[1], over, sizes, "fwhm", "length")
     style.label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width.name}]")
     lands = "lands" if len(result.highest.profiles) > 1 else ""
     gaussian = "gaussian" if "gaussian" in sizes else ""
-    return style.captioned(figure, "sizes", "all", lands, gaussian, over.order, over=over.name)
+    return style.captioned(display, figure, "sizes", "all", lands, gaussian, over.order, over=over.name)
 
 
-def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> Unit:
+def _draw_sizes(
+    display: Display, axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str
+) -> Unit:
     """One measure of the profiles over the loads; returns its unit."""
     x, order = over.numbers, np.argsort(over.values)
     calculated = getattr(sizes["calculated"], measure)
-    unit = unit_for(kind, float(calculated.max()))
+    unit = display.unit_for(kind, float(calculated.max()))
     for name, (text, colour, dashes) in _CLOSED_FORMS.items():
         if name in sizes:
             y = getattr(sizes[name], measure)[order] / unit.size
@@ -214,15 +226,18 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     axes : Axes
     result : SealSolution
     """
+    display = result.display
     chosen, (low, high) = _few_loads(result.loads), _range_in_view(result.loads)
     # between lands the gap is that of a chamber
     inside = [
-        one.gap[(one.x >= low) & (one.x <= high) if len(load.profiles) == 1 else one.pressure > 0]
+        profile.gap[
+            (profile.x >= low) & (profile.x <= high) if len(load.profiles) == 1 else profile.pressure > 0
+        ]
         for load, _, _ in chosen
-        for one in load.profiles
+        for profile in load.profiles
     ]
     widest = max(float(part.max(initial=0.0)) for part in inside)
-    gap, length = unit_for("length", widest), unit_for("length", max(-low, high))
+    gap, length = display.unit_for("length", widest), display.unit_for("length", max(-low, high))
     for load, name, colour in chosen:
         _plot_profiles(axes, load, "gap", length, gap, name, color=colour)
     axes.set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
@@ -234,9 +249,9 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
 def _few_loads(loads: Sequence[CaseLoad]) -> list[tuple[CaseLoad, str, Any]]:
     """A few different loads with their names and colours."""
     order, names = distinct_loads(loads), load_axis(loads).names
-    drawn = [order[n] for n in style.few(len(order), 4)]
-    colour = style.load_colours(len(drawn))
-    return [(loads[n], names[n], colour(place)) for place, n in enumerate(drawn)]
+    chosen = [order[n] for n in style.few(len(order), 4)]
+    colour = style.load_colours(len(chosen))
+    return [(loads[n], names[n], colour(place)) for place, n in enumerate(chosen)]
 
 
 def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
@@ -248,6 +263,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     load : CaseLoad
         The load that is shown.
     """
+    display = result.display
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=_ENLARGED)
@@ -256,15 +272,20 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     )
     whole, (low, high) = load.whole_profile, _range_in_view([load])
     low, high = max(low, float(whole.x[0])), min(high, float(whole.x[-1]))
-    length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
+    length = display.unit_for("length", max(-low, high))
+    pressure = display.unit_for("contact pressure", load.peak_pressure)
     # between lands the gap is that of a chamber
     several, headroom = len(load.profiles) > 1, _HEADROOM[len(load.profiles) > 1]
     seen = [
-        one.gap[one.pressure > _PRESSED * load.peak_pressure if several else (one.x >= low) & (one.x <= high)]
-        for one in load.profiles
+        profile.gap[
+            profile.pressure > _PRESSED * load.peak_pressure
+            if several
+            else (profile.x >= low) & (profile.x <= high)
+        ]
+        for profile in load.profiles
     ]
     top = headroom * max(float(part.max(initial=0.0)) for part in seen) or 1e-6
-    gap, flows = unit_for("length", top), load.leak is not None and 0 < load.leak.leak_rate < np.inf
+    gap, flows = display.unit_for("length", top), load.leak is not None and 0 < load.leak.leak_rate < np.inf
     share = np.zeros(whole.x.size)
     if flows and load.leak is not None:
         share = load.leak.fluid_pressure / max(float(load.leak.fluid_pressure.max()), 1e-300)
@@ -286,7 +307,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     below.set_xlim(low / length.size, high / length.size)
     below.set_ylim(-0.3 * top / gap.size, top / gap.size)
     # one at the upper end would stand on the zero of the pressure
-    below.set_yticks([one for one in below.get_yticks() if 0.0 <= one <= 0.88 * top / gap.size])
+    below.set_yticks([tick for tick in below.get_yticks() if 0.0 <= tick <= 0.88 * top / gap.size])
     width, height = style.inches(below)
     times = (high - low) / width / (1.3 * top / height)
     how: dict[str, Any] = {"transform": below.transAxes, "va": "center", "bbox": _ON_FLUID}
@@ -296,7 +317,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     for at, name in ((0.93, "closure"), (0.06, "seat")):
         below.text(middle, at, result.case.label_of(name), ha="center", color=INK, **how)
     if flows:
-        name = format_quantity("fluid pressure", load.fluid_pressure)
+        name = display.quantity(load.fluid_pressure, "given fluid pressure")
         inside = share[0] > share[-1]
         at, text, side = (0.01, f"{name} →", "left") if inside else (0.99, f"← {name}", "right")
         below.text(at, 0.93, text, ha=side, color=BLUE, **how)
@@ -309,9 +330,9 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     style.label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)
     how_much = "alike" if 0.95 < times < 1.05 else "heights" if times > 1.0 else "widths"
-    enlarged = phrase("captions.contact", how_much, times=times, less=1.0 / times)
+    enlarged = say(display, "captions", f"contact_{how_much}", times=times, less=1.0 / times)
     values = {"load": name, "enlarged": enlarged, **result.case.labels}
-    return style.captioned(figure, "contact", "all", "flow" if flows else "", **values)
+    return style.captioned(display, figure, "contact", "all", "flow" if flows else "", **values)
 
 
 def _range_in_view(loads: Sequence[CaseLoad]) -> tuple[float, float]:
@@ -319,10 +340,14 @@ def _range_in_view(loads: Sequence[CaseLoad]) -> tuple[float, float]:
     if all(len(load.profiles) == 1 for load in loads):
         return -_reach(loads), _reach(loads)
     pressed = np.concatenate(
-        [one.x[one.pressure > 1e-3 * load.peak_pressure] for load in loads for one in load.profiles]
+        [
+            profile.x[profile.pressure > 1e-3 * load.peak_pressure]
+            for load in loads
+            for profile in load.profiles
+        ]
     )
-    beside = 0.1 * float(np.ptp(pressed))
-    return float(pressed.min()) - beside, float(pressed.max()) + beside
+    border = 0.1 * float(np.ptp(pressed))
+    return float(pressed.min()) - border, float(pressed.max()) + border
 
 
 def _reach(loads: Sequence[CaseLoad]) -> float:
@@ -352,7 +377,7 @@ def mesh_picture(result: SealSolution, load: CaseLoad) -> Picture:
     load : CaseLoad
         Its width sets how much of the contact zone is shown.
     """
-    seal_mesh, quality, size = result.seal_mesh, result.seal_mesh.quality, fixed_unit("mm")
+    seal_mesh, quality, size = result.seal_mesh, result.seal_mesh.quality, result.display.fixed_unit("mm")
     mesh, contact = seal_mesh.mesh, seal_mesh.contact
     figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
     for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
@@ -363,7 +388,7 @@ def mesh_picture(result: SealSolution, load: CaseLoad) -> Picture:
         place = turned(seal_mesh, mesh.p.T).T
         half = half_width(load)
         close = (np.abs(place[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
-        unit = unit_for("length", 2 * half)
+        unit = result.display.unit_for("length", 2 * half)
         zone.plot(*_polyline(place / unit.size, edges[:, close]), color=colour, linewidth=0.55)
     whole.set_aspect("equal")
     label(whole, "Both bodies", f"r  [{size.name}]", f"z  [{size.name}]")
@@ -371,6 +396,7 @@ def mesh_picture(result: SealSolution, load: CaseLoad) -> Picture:
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
     smallest = float(np.diff(result.model.line.vertices).min())
     return captioned(
+        result.display,
         figure,
         "mesh",
         "all",
@@ -389,9 +415,10 @@ def stress_picture(result: SealSolution, load: CaseLoad) -> Picture:
     load : CaseLoad
         The load to show.
     """
+    display = result.display
     figure, axes = panels(2, height=4.3, side=SCALE_ROOM)
     fields = load.contact.fields
-    unit = unit_for("contact pressure", load.max_von_mises)
+    unit = display.unit_for("contact pressure", load.max_von_mises)
     half = half_width(load)
     levels = even_levels(0.0, unit.of(load.max_von_mises))
     stresses = {name: unit.of(1.0) * field.von_mises for name, field in fields.items()}
@@ -403,13 +430,16 @@ def stress_picture(result: SealSolution, load: CaseLoad) -> Picture:
     # of several lands the enlarged one need not have it
     for view, reach in zip(axes, (4.0 * half, half), strict=True):
         if np.all(np.abs(largest_at) < reach):
-            view.plot(*(largest_at / unit_for("length", 2 * reach).size), "x", color=INK, ms=6, mew=1.2)
+            view.plot(
+                *(largest_at / display.unit_for("length", 2 * reach).size), "x", color=INK, ms=6, mew=1.2
+            )
     depth = float(largest_at[1])
     return captioned(
+        display,
         figure,
         "stress",
         "all",
-        largest=in_words(load, "max_von_mises_Pa"),
+        largest=in_words(display, load, "max_von_mises_Pa"),
         body=result.case.label_of(body),
         **result.case.labels,
         load=load_name(load, result.loads),
@@ -429,7 +459,7 @@ def temperature_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
         Its width sets how much of the contact zone is shown.
     """
     fields = load.contact.fields
-    size, degree = fixed_unit("mm"), unit_for("temperature", 300.0)
+    size, degree = result.display.fixed_unit("mm"), result.display.unit_for("temperature", 300.0)
     degrees = {
         name: (f.temperature - degree.zero) / degree.size
         for name, f in fields.items()
@@ -451,7 +481,7 @@ def temperature_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
     contact = load.contact_temperature
     assert contact is not None  # both fields are known
     low, high = low + 273.15, high + 273.15
-    return captioned(figure, "temperature", "all", low=low, high=high, contact=contact)
+    return captioned(result.display, figure, "temperature", "all", low=low, high=high, contact=contact)
 
 
 def half_width(load: CaseLoad) -> float:
@@ -512,7 +542,7 @@ def _draw_zone(
     colours: str = "YlOrRd",
 ) -> ContourSet:
     """Both bodies within `reach` of first touch [m], with bands of colours where a body has values."""
-    length, bands = unit_for("length", 2 * reach), []
+    length, bands = result.display.unit_for("length", 2 * reach), []
     for name, field in fields.items():
         place = turned(result.seal_mesh, field.points) / length.size
         if name in values:
@@ -577,27 +607,28 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     part, unloaded = yielded[0], yielded[0].unloaded_bodies
     assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
-    _imprints(depth, unloaded, part.problem.contact)
+    _imprints(result.display, depth, unloaded, part.problem.contact)
     _strains(strain, part, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
-        phrase(
-            "captions.imprint",
-            "one",
+        say(
+            result.display,
+            "captions",
+            "imprint_one",
             body=part.problem.contact.label_of(name),
             imprint=imprint,
             digits=digits,
         )
         for name, imprint in unloaded.imprints.items()
     )
-    return captioned(figure, "imprint", "all", imprints=imprints)
+    return captioned(result.display, figure, "imprint", "all", imprints=imprints)
 
 
-def _imprints(axes: Axes, unloaded: UnloadedBodies, contact: ContactGeometry) -> None:
+def _imprints(display: Display, axes: Axes, unloaded: UnloadedBodies, contact: ContactGeometry) -> None:
     imprints = unloaded.imprints
     reach = max(_WIDTHS * imprint.width + abs(imprint.deepest_at) for imprint in imprints.values())
-    length = unit_for("length", reach)
-    height = unit_for("length", max(imprint.deepest for imprint in imprints.values()))
+    length = display.unit_for("length", reach)
+    height = display.unit_for("length", max(imprint.deepest for imprint in imprints.values()))
     for name, imprint in imprints.items():
         label_of = contact.label_of(name)
         axes.plot(imprint.x / length.size, imprint.depth / height.size, color=_COLOURS[name], label=label_of)
@@ -611,8 +642,8 @@ def _strains(axes: Axes, result: SolvedSeal, unloaded: UnloadedBodies) -> None:
     """Plastic strain of all bodies that yield."""
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
     materials = result.problem.materials
-    found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
-    zones = {name: zone for name, zone in found.items() if zone is not None}
+    plastic_zones = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
+    zones = {name: zone for name, zone in plastic_zones.items() if zone is not None}
     widest = max(imprint.width for imprint in unloaded.imprints.values())
     reach = max(_WIDTHS * widest, *(_DEPTHS / HEIGHT * zone.deepest for zone in zones.values()))
     largest = max(float(field.accumulated_plastic_strain.max()) for field in fields.values())

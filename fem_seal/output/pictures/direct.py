@@ -11,7 +11,6 @@ from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.colours import BLUE, FILL, GREEN, GREY, INK, ORANGE, PURPLE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels, positive
 from fem_seal.seal.direct import DirectTable, PressedMap
-from fem_seal.units import quantity, unit_for
 from leak.theory.plasticity import READINGS, Reading
 
 if TYPE_CHECKING:
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
 
     from fem_seal.seal.direct_seal import SealRow
+    from fem_seal.units import Display
 
 # Largest number of cells along a side in a drawing.
 _MOST_CELLS = 512
@@ -26,30 +26,34 @@ _MOST_CELLS = 512
 _FAINT = 1e-3
 
 
-def simulation_pictures(table: DirectTable, pressure: float) -> tuple[Picture, ...]:
+def simulation_pictures(display: Display, table: DirectTable, pressure: float) -> tuple[Picture, ...]:
     """Curves, and the map at the simulated pressure nearest to a given one.
 
     Parameters
     ----------
+    display : Display
     table : DirectTable
     pressure : float
         [Pa]
     """
-    nearest = min(table.simulation.settings.pressures, key=lambda one: abs(np.log(one / pressure)))
-    return curves_picture(table), map_picture(table, nearest)
+    nearest = min(
+        table.simulation.settings.pressures, key=lambda simulated: abs(np.log(simulated / pressure))
+    )
+    return curves_picture(display, table), map_picture(display, table, nearest)
 
 
-def curves_picture(table: DirectTable) -> Picture:
+def curves_picture(display: Display, table: DirectTable) -> Picture:
     """Contact area, mean gap and effective gap over pressure, loading and unloading, compared with the theory.
 
     Parameters
     ----------
+    display : Display
     table : DirectTable
     """
     load = [row for row in table.rows if row.branch == "load"]
     back = [row for row in table.rows if row.branch == "unload"]
-    pressure = unit_for("contact pressure", load[-1].pressure)
-    length = unit_for("length", max(load[0].mean_gap, load[0].effective_gap))
+    pressure = display.unit_for("contact pressure", load[-1].pressure)
+    length = display.unit_for("length", max(load[0].mean_gap, load[0].effective_gap))
     figure, (areas, gaps, flow) = panels(3, height=3.6)
     p, q = (np.array([row.pressure for row in rows]) / pressure.size for rows in (load, back))
     theory = [row.theory for row in load if row.theory is not None]
@@ -80,10 +84,10 @@ def curves_picture(table: DirectTable) -> Picture:
     flow.plot(p[flows], u[flows], "o", color=BLUE, ms=3.8, label="simulated")
     readings = READINGS["paper"] if len(table.simulation.surface.readings) > 1 else (Reading.CAPPED,)
     for reading in readings:
-        shown = np.array([one.gap[reading] for one in theory]) / length.size
+        theory_gaps = np.array([row.gap[reading] for row in theory]) / length.size
         name = f"theory, {reading}" if len(readings) > 1 else "theory"
         colour = PURPLE if reading is Reading.CONSERVED else ORANGE
-        flow.plot(p, positive(shown), "-", color=colour, label=name)
+        flow.plot(p, positive(theory_gaps), "-", color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size
     flow.plot(q, positive(after), "v", **falling)
     open_ = bool(np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all())
@@ -91,16 +95,17 @@ def curves_picture(table: DirectTable) -> Picture:
         # all is tight: a logarithmic axis needs positive numbers
         flow.set(xlim=areas.get_xlim(), ylim=(0.0, 1.0))
     label(flow, "Effective gap", over, f"u_eff  [{length.name}]", log="xy" if open_ else "x", legend="best")
-    return captioned(figure, "direct", "curves")
+    return captioned(display, figure, "direct", "curves")
 
 
-def map_picture(table: DirectTable, pressure: float) -> Picture:
+def map_picture(display: Display, table: DirectTable, pressure: float) -> Picture:
     """Contact, gap and flow of the first sample at a pressure; the fluid flows from left to right.
 
     The mark is the critical junction, the cell with the largest pressure drop.
 
     Parameters
     ----------
+    display : Display
     table : DirectTable
     pressure : float
         One of those of loading [Pa].
@@ -112,18 +117,18 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     if simulation.settings.direction == "y":
         pressed = PressedMap(pressed.gap.T.copy(), pressed.touches.T, pressed.yielded.T)
     gap, touches, yielded = pressed
-    flow, found = pressed.flow()
-    size = unit_for("length", simulation.patch.size)
-    height = unit_for("length", float(gap.max()) or 1e-6)
+    flow, paths = pressed.flow()
+    size = display.unit_for("length", simulation.patch.size)
+    height = display.unit_for("length", float(gap.max()) or 1e-6)
     figure, (left, right) = panels(2, height=5.0, width=10.4, side=0.3)
     side = simulation.patch.size / size.size
     # rows of the array are positions along the flow, which is drawn to the right
     extent = (0.0, side, 0.0, side)
 
     def show(axes: Axes, values: FloatArray, **how: Any) -> AxesImage:
-        every = max(1, values.shape[0] // _MOST_CELLS)
+        step = max(1, values.shape[0] // _MOST_CELLS)
         return axes.imshow(
-            values[::every, ::every].T, origin="lower", extent=extent, interpolation="nearest", **how
+            values[::step, ::step].T, origin="lower", extent=extent, interpolation="nearest", **how
         )
 
     image = show(left, np.where(touches, np.nan, gap / height.size), cmap="Blues", vmin=0.0)
@@ -133,19 +138,20 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
         show(left, np.where(touches & yielded, 1.0, np.nan), cmap=ListedColormap([ORANGE]))
     show(right, np.where(touches, 1.0, np.nan), cmap=ListedColormap(["#d9dde3"]))
     if flow.gap_cubed > 0.0:
-        most = float(found.flux.max())
-        flux = np.where(found.flux > _FAINT * most, found.flux, np.nan)
+        most = float(paths.flux.max())
+        flux = np.where(paths.flux > _FAINT * most, paths.flux, np.nan)
         image = show(right, flux, cmap="viridis", norm=LogNorm(_FAINT * most, most))
         figure.colorbar(image, ax=right, shrink=0.8, label="flow over its mean")
-        i, j = np.unravel_index(int(np.argmax(found.loss)), found.loss.shape)
+        i, j = np.unravel_index(int(np.argmax(paths.loss)), paths.loss.shape)
         x, y = ((k + 0.5) * side / gap.shape[0] for k in (i, j))
         for axes in (left, right):
             axes.plot(x, y, "o", mfc="none", mec=INK, ms=11, mew=1.6)
-    at = quantity("contact pressure", pressure)
+    at = display.quantity(pressure, "contact pressure")
     label(left, f"Contact and gap at {at}", f"along the flow  [{size.name}]", f"across  [{size.name}]")
     label(right, "Flow" if flow.gap_cubed > 0.0 else "Tight", f"along the flow  [{size.name}]", "")
     spans = "open" if flow.gap_cubed > 0.0 else "tight"
     return captioned(
+        display,
         figure,
         "direct_map",
         "map",
@@ -160,22 +166,24 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
 _COLOURS = {"elastic": BLUE, "capped": ORANGE, "von-mises": GREEN}
 
 
-def seal_picture(rows: Sequence[SealRow]) -> Picture:
+def seal_picture(display: Display, rows: Sequence[SealRow]) -> Picture:
     """Pressure across the contact of the highest load, and leak rates over the fluid pressure.
 
     Parameters
     ----------
+    display : Display
     rows : sequence of SealRow
     """
     highest = max(row.place.fluid_pressure for row in rows)
-    shown = [row for row in rows if row.place.fluid_pressure == highest]
-    place = shown[0].place
-    shown = [row for row in shown if row.place is place]
+    strips = [row for row in rows if row.place.fluid_pressure == highest]
+    place = strips[0].place
+    strips = [row for row in strips if row.place is place]
     figure, (pressures, leaks) = panels(2, height=3.8)
-    length, stress = unit_for("length", place.strip.width), unit_for("contact pressure", shown[0].measures[0])
+    length = display.unit_for("length", place.strip.width)
+    stress = display.unit_for("contact pressure", strips[0].measures[0])
     n = place.strip.points[0]
     x = ((np.arange(n) + 0.5) / n - 0.5) * place.strip.width
-    for row in shown:
+    for row in strips:
         pressures.plot(
             x / length.size,
             row.profile / stress.size,
@@ -188,17 +196,19 @@ def seal_picture(rows: Sequence[SealRow]) -> Picture:
         (profile.x - profile.centroid) / length.size, profile.pressure / stress.size, color=INK, label="chain"
     )
     pressures.set_xlim(x[0] / length.size, x[-1] / length.size)
-    title = f"Contact pressure at {quantity('fluid pressure', highest)}, {place.name}"
+    title = f"Contact pressure at {display.quantity(highest, 'fluid pressure')}, {place.name}"
     label(pressures, title, f"x  [{length.name}]", f"pressure  [{stress.name}]", legend="best")
-    fluid, flow = unit_for("fluid pressure", highest), unit_for("flow", max(row.leak_rate for row in rows))
+    fluid = display.unit_for("fluid pressure", highest)
+    flow = display.unit_for("flow", max(row.leak_rate for row in rows))
     for name in dict.fromkeys(row.place.name for row in rows):
         for kind, colour in _COLOURS.items():
-            own = [row for row in rows if row.asperities == kind and row.place.name == name]
-            if own:
-                p = np.array([row.place.fluid_pressure for row in own]) / fluid.size
-                rates = np.array([row.leak_rate for row in own]) / flow.size
+            points = [row for row in rows if row.asperities == kind and row.place.name == name]
+            if points:
+                p = np.array([row.place.fluid_pressure for row in points]) / fluid.size
+                rates = np.array([row.leak_rate for row in points]) / flow.size
                 error = [
-                    2.0 * np.nan_to_num(row.deviation) / len(row.leak_rates) ** 0.5 / flow.size for row in own
+                    2.0 * np.nan_to_num(row.deviation) / len(row.leak_rates) ** 0.5 / flow.size
+                    for row in points
                 ]
                 what = kind if name == "round" else f"{kind}, {name}"
                 mark = "s" if name == "most loaded" else "o"
@@ -212,8 +222,8 @@ def seal_picture(rows: Sequence[SealRow]) -> Picture:
     )
     ends = [row.place.interval for row in first]
     if all(ends):
-        low, high = np.array([one for one in ends if one is not None]).T / flow.size
+        low, high = np.array([pair for pair in ends if pair is not None]).T / flow.size
         leaks.fill_between(p, low, high, color=FILL, lw=0, label="chain, interval")
     names = f"fluid pressure  [{fluid.name}]", f"leak rate  [{flow.name}]"
     label(leaks, "Leak rate", *names, log="y", legend="best")
-    return captioned(figure, "direct_seal", "caption")
+    return captioned(display, figure, "direct_seal", "caption")

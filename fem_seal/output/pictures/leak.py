@@ -26,8 +26,8 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.seal.load_result import load_axis, load_name
 from fem_seal.seal.scenarios import FIRST_LOADING, SCENARIOS
-from fem_seal.units import format_digits, percent, shared_flow_unit
-from fem_seal.wording import phrase
+from fem_seal.units import format_digits, percent
+from fem_seal.wording import say
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,19 +50,19 @@ def leak_picture(result: SealSolution) -> Picture | None:
         return _single_leak(result, loads[0])
     over = load_axis(loads)
     figure, (axes,) = panels(1, height=3.5, width=NARROW)
-    draw_leak(axes, result, beside=True)
+    draw_leak(axes, result, with_scenarios=True)
     both = "plastic_both" if any(load.others for load in loads) else ""
-    return captioned(figure, "leak", "all", over.order, both, over=over.name)
+    return captioned(result.display, figure, "leak", "all", over.order, both, over=over.name)
 
 
-def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool:
+def draw_leak(axes: Axes, result: SealSolution, *, with_scenarios: bool = False) -> bool:
     """The leak rate over the loads with its interval and what is allowed.
 
     Parameters
     ----------
     axes : Axes
     result : SealSolution
-    beside : bool
+    with_scenarios : bool
         With the other readings of the asperities.
 
     Returns
@@ -70,18 +70,17 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     bool
         False, and nothing drawn, if no leak rate was calculated.
     """
+    display = result.display
     loads, ends = leaking_loads(result)
     if not loads:
         return False
     over, rates = load_axis(loads), leak_rates(loads)
     outside = np.array([load.validity.outside_theory for load in loads])
     curves = _curves(result, loads)
-    shown = np.concatenate([values for _, values, _, _ in curves if beside] or [rates])
-    volume, unit = (
-        volume_of(result.case),
-        shared_flow_unit((*rates, *ends.flat) if rates.any() else (*shown,)),
-    )
-    for name, values, colour, width in curves if beside else curves[:1]:
+    visible = np.concatenate([values for _, values, _, _ in curves if with_scenarios] or [rates])
+    volume = volume_of(result.case)
+    unit = display.shared_flow_unit((*rates, *ends.flat) if rates.any() else (*visible,))
+    for name, values, colour, width in curves if with_scenarios else curves[:1]:
         how: dict[str, Any] = {"color": colour, "linewidth": 0.8 if over.order_matters else width}
         axes.plot(over.numbers, positive(values) / unit.size, "o-", ms=3.8, label=name, **how)
     _mark_outside(axes, over.numbers, positive(rates) / unit.size, outside)
@@ -93,9 +92,9 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     _mark_at_foot(axes, over.numbers[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
     required = result.case.requirement
     if required is not None and required.leak_rate is not None:
-        shown = np.append(shown, required.leak_rate)
+        visible = np.append(visible, required.leak_rate)
         axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
-    scale_over_loads(axes, over, shown)
+    scale_over_loads(axes, over, visible)
     least, most = axes.get_ylim()
     # space for the legend above the curves, and above the bar of one load, which "best" does not see
     if axes.get_yscale() == "log":
@@ -105,7 +104,7 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     if over.returns:
         number_dots(axes, over.numbers, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     place = "upper right" if len(loads) == 1 else "best"
-    label(axes, "Leak rate", over.label, f"leak rate  [{volume.name_unit(unit).name}]", legend=place)
+    label(axes, "Leak rate", over.label, f"leak rate  [{display.name_unit(unit, volume).name}]", legend=place)
     return True
 
 
@@ -120,7 +119,7 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
             ("median after the leak test", medians, BLUE, 2.2),
             (f"{yielded} (before it)", rates, GREY, 1.5),
         ]
-    curves += [(SCENARIOS[one].curve, values, GREEN, 1.5) for one, values in _rates_of_scenarios(loads)]
+    curves += [(SCENARIOS[name].curve, values, GREEN, 1.5) for name, values in _rates_of_scenarios(loads)]
     for name in loads[0].scenarios:
         words = SCENARIOS[name]
         values = leak_rates([load.scenarios[name] for load in loads])
@@ -131,8 +130,10 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
 
 def _rates_of_scenarios(loads: Sequence[CaseLoad]) -> list[tuple[str, FloatArray]]:
     """The scenarios beside, with their leak rates [m^3/s]."""
-    found = [(one, leak_rates([load.scenarios[one] for load in loads])) for one in loads[0].others]
-    return [(one, values) for one, values in found if np.isfinite(values).any()]
+    pairs = [
+        (scenario, leak_rates([load.scenarios[scenario] for load in loads])) for scenario in loads[0].others
+    ]
+    return [(scenario, values) for scenario, values in pairs if np.isfinite(values).any()]
 
 
 def leaking_loads(result: SealSolution) -> tuple[list[CaseLoad], FloatArray]:
@@ -156,15 +157,17 @@ def leak_rates(loads: Sequence[CaseLoad]) -> FloatArray:
     return np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
 
 
-def _single_leak(result: SealSolution, one: CaseLoad) -> Picture:
+def _single_leak(result: SealSolution, load: CaseLoad) -> Picture:
     """Bars for a case with one load."""
-    outside = one.validity.outside_theory
-    load = load_name(one, result.loads) + (", outside the theory" if outside else "")
-    zero, digits = "zero" if outside else "sealed", one.leak_digits
-    series = [(name, float(values[0]), colour) for name, values, colour, _ in _curves(result, [one])]
+    outside = load.validity.outside_theory
+    at = load_name(load, result.loads) + (", outside the theory" if outside else "")
+    zero, digits = "zero" if outside else "sealed", load.leak_digits
+    series = [(name, float(values[0]), colour) for name, values, colour, _ in _curves(result, [load])]
     volume = volume_of(result.case)
-    assert one.leak is not None  # only such loads are drawn
-    unit = shared_flow_unit((*_ends([one]).flat,) if one.leak.leak_rate else [rate for _, rate, _ in series])
+    assert load.leak is not None  # only such loads are drawn
+    unit = result.display.shared_flow_unit(
+        (*_ends([load]).flat,) if load.leak.leak_rate else [rate for _, rate, _ in series]
+    )
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
@@ -176,12 +179,13 @@ def _single_leak(result: SealSolution, one: CaseLoad) -> Picture:
     for n, name in enumerate(names):
         axes.text(0.004, n - 0.31, name, transform=axes.get_yaxis_transform(), va="bottom")
     axes.set_ylim(len(series) - 0.6, -0.8)
-    label(axes, f"Leak rate at {load}", f"leak rate  [{volume.name_unit(unit).name}]", "")
+    label(axes, f"Leak rate at {at}", f"leak rate  [{result.display.name_unit(unit, volume).name}]", "")
     return Picture(
         "leak",
         svg(figure),
-        f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, texts, strict=True)),
-        phrase("captions.leak", "single"),
+        f"Leak rate at {at}: "
+        + ", ".join(f"{name} {heading}" for name, heading in zip(names, texts, strict=True)),
+        say(result.display, "captions", "leak_single"),
     )
 
 
@@ -189,16 +193,16 @@ def _mark_at_foot(axes: Axes, x: FloatArray, name: str | None, fill: str) -> Non
     """Mark loads without leak at the foot of a logarithmic axis, which cannot show zero."""
     if x.size:
         foot = {"transform": axes.get_xaxis_transform(), "clip_on": False}
-        axes.plot(x, np.full(x.shape, 0.02), "v", ms=6, mec=INK, mfc=fill, label=name, **cast(Any, foot))
+        axes.plot(x, np.full(x.shape, 0.02), "v", ms=6, mec=INK, mfc=fill, label=name, **cast("Any", foot))
 
 
 def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
     """Mark loads outside the theory by hollow dots; those with a calculated zero are at the foot."""
     name = "outside the theory: nothing to claim"
-    drawn = outside & np.isfinite(rates)
-    if drawn.any():
-        axes.plot(x[drawn], rates[drawn], "o", ms=5, mec=BLUE, mfc="white", zorder=4, label=name)
-    _mark_at_foot(axes, x[outside & ~drawn], None if drawn.any() else name, "white")
+    marked = outside & np.isfinite(rates)
+    if marked.any():
+        axes.plot(x[marked], rates[marked], "o", ms=5, mec=BLUE, mfc="white", zorder=4, label=name)
+    _mark_at_foot(axes, x[outside & ~marked], None if marked.any() else name, "white")
 
 
 # Depth of a band below the smallest leak rate where its lower end is a sealed contact.
@@ -212,6 +216,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
+    display = result.display
     if result.surface is None or result.surface.hardness is None:
         return None
     loads = [load for load in result.loads if load.leak is not None]
@@ -221,9 +226,9 @@ def memory_picture(result: SealSolution) -> Picture | None:
     if result.unloaded_bodies is None:
         loads.sort(key=lambda load: load.point)
     over = load_axis(loads)
-    earlier = earlier_load(result.case.load) or "the loads before it"
+    earlier = earlier_load(display, result.case.load) or "the loads before it"
     first, after = _ends([load.scenarios.get(FIRST_LOADING, load) for load in loads]), _ends(loads)
-    unit = volume_of(result.case).name_unit(shared_flow_unit((*first.flat, *after.flat)))
+    unit = display.name_unit(display.shared_flow_unit((*first.flat, *after.flat)), volume_of(result.case))
     figure, (axes,) = panels(1, height=3.6, width=NARROW)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
         _band(axes, over.numbers, ends / unit.size, colour, name)
@@ -235,7 +240,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
     both = "both" if any(load.others for load in loads) else ""
     bodies = "bodies" if result.unloaded_bodies else ""
-    return captioned(figure, "memory", "rates", both, bodies, over=over.name, earlier=earlier)
+    return captioned(display, figure, "memory", "rates", both, bodies, over=over.name, earlier=earlier)
 
 
 def _ends(loads: Sequence[CaseLoad]) -> FloatArray:
@@ -250,5 +255,5 @@ def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -
     low, high = np.where(ends > 0, ends, foot).T
     axes.fill_between(x, low, high, color=colour, alpha=0.18, linewidth=0)
     axes.vlines(x, low, high, color=colour, linewidth=1.0, alpha=0.6)
-    for values, told in zip(ends.T, (None, name), strict=True):
-        axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4, label=told)
+    for values, legend_entry in zip(ends.T, (None, name), strict=True):
+        axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4, label=legend_entry)

@@ -19,7 +19,7 @@ from fem_seal.errors import InputError
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import INCH, NARROW, Picture, captioned, inches, outside_text, style
-from fem_seal.units import fixed_unit, number, quantity, round_digits, trim_zeros
+from fem_seal.units import number, round_digits, trim_zeros
 from meshes.geometry.curve import Curve, Point, Segment
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
+    from fem_seal.units import Display
     from meshes import ContactGeometry, Outline
 
 FORMATS = (".png", ".svg", ".pdf")
@@ -113,7 +114,7 @@ def _draw_whole(axes: Axes, case: Case) -> None:
     _bodies(axes, contact, mirrored=True, image=below_it)
     low, high = _heights(contact, below_it)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
-    below = sorted(_seat_diameters(case), key=lambda one: one.radius)
+    below = sorted(_seat_diameters(case), key=lambda diameter: diameter.radius)
     width, height = inches(axes)
     # millimetres per inch, so that the rows of dimensions fit above and below
     rows = len(below) + 1.6
@@ -125,16 +126,16 @@ def _draw_whole(axes: Axes, case: Case) -> None:
         _supports(axes, case, contact.seat, scale / INCH)
     ends = [low - _ROW * scale * 0.5, high + _ROW * scale * 0.5]
     axes.plot([0, 0], ends, color=INK, lw=0.8, ls=_AXIS_DASHES)
-    for row, one in enumerate(below, start=1):
-        _diameter(axes, one, low - _ROW * scale * row, scale)
+    for row, diameter in enumerate(below, start=1):
+        _diameter(case.display, axes, diameter, low - _ROW * scale * row, scale)
     size = 1e3 * contact.closure.largest_radius
     at = max((s.start for s in contact.closure.segments), key=lambda p: (p[0], p[1]))
     widest_of_closure = _Diameter(size, case.label_of("closure"), 1e3 * at[1], INK)
-    _diameter(axes, widest_of_closure, high + _ROW * scale * 0.9, scale)
+    _diameter(case.display, axes, widest_of_closure, high + _ROW * scale * 0.9, scale)
     angle = getattr(case.seat, "angle", None)
     if angle is not None:
         _included_angle(axes, contact, angle, scale)
-    text = f"dimensions in {fixed_unit('mm').name}; grey: left open by the case, chosen by the program"
+    text = f"dimensions in {case.display.fixed_unit('mm').name}; grey: left open by the case, chosen by the program"
     axes.text(0.02, 0.0, text, transform=axes.transAxes, color=GREY, fontsize=8)
     _names(axes, contact)
     _pressures(axes, case, (0.97 * widest, high), (0.0, low), scale)
@@ -207,20 +208,22 @@ def _seat_diameters(case: Case) -> Iterator[_Diameter]:
     yield _Diameter(1e3 * outer, around, low, colour("outer_radius"))
 
 
-def _diameter(axes: Axes, one: _Diameter, z: float, scale: float) -> None:
+def _diameter(display: Display, axes: Axes, diameter: _Diameter, z: float, scale: float) -> None:
     """A dimension line across the axis with its extension lines; its text goes outside if it does not fit inside."""
-    _on_both_sides(axes, [one.radius] * 2, [one.z, z], color=one.colour, lw=0.5, zorder=4, alpha=0.7)
-    arrow = {"arrowstyle": "<|-|>", "color": one.colour, "lw": 0.8, "mutation_scale": 9, **_TO_THE_END}
-    axes.annotate("", (-one.radius, z), (one.radius, z), arrowprops=arrow)
-    text = f"{one.name} ⌀{_in_unit(2 * one.radius)}"
-    fits = 2 * one.radius / scale > _CHARACTER * len(text) + 0.35
-    place = (0.0 if fits else one.radius + 0.08 * scale, z)
-    _note(axes, place, text, one.colour, 0.8, ha="center" if fits else "left", va="center")
+    _on_both_sides(
+        axes, [diameter.radius] * 2, [diameter.z, z], color=diameter.colour, lw=0.5, zorder=4, alpha=0.7
+    )
+    arrow = {"arrowstyle": "<|-|>", "color": diameter.colour, "lw": 0.8, "mutation_scale": 9, **_TO_THE_END}
+    axes.annotate("", (-diameter.radius, z), (diameter.radius, z), arrowprops=arrow)
+    text = f"{diameter.name} ⌀{_in_unit(display, 2 * diameter.radius)}"
+    fits = 2 * diameter.radius / scale > _CHARACTER * len(text) + 0.35
+    place = (0.0 if fits else diameter.radius + 0.08 * scale, z)
+    _note(axes, place, text, diameter.colour, 0.8, ha="center" if fits else "left", va="center")
 
 
-def _in_unit(size: float, digits: int = 4) -> str:
+def _in_unit(display: Display, size: float, digits: int = 4) -> str:
     """A size [mm] in the unit of the drawing."""
-    return trim_zeros(round_digits(fixed_unit("mm").of(1e-3 * size), digits))
+    return trim_zeros(round_digits(display.fixed_unit("mm").of(1e-3 * size), digits))
 
 
 def _on_both_sides(axes: Axes, r: ArrayLike, z: ArrayLike, **how: Any) -> None:
@@ -275,11 +278,12 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     contact = case.contact
     _bodies(axes, contact, mirrored=False)
     r0, theta = 1e3 * contact.initial_contact_radius, contact.angle
-    r, z, half = (1e3 * one for one in contact_window(case))
+    r, z, half = (1e3 * end for end in contact_window(case))
     axes.set(xlim=(r - 1.45 * half, r + 1.45 * half), ylim=(z - half, z + half))
     axes.set(aspect="equal", xticks=[], yticks=[])
     axes.set_title(
-        f"contact, enlarged; picture {_in_unit(2.9 * half, 2)} {fixed_unit('mm').name} wide", fontsize=9
+        f"contact, enlarged; picture {_in_unit(case.display, 2.9 * half, 2)} {case.display.fixed_unit('mm').name} wide",
+        fontsize=9,
     )
     axes.plot(r0, 0, "o", color=ORANGE, ms=5, zorder=6)
     normal = 0.75 * half
@@ -294,7 +298,7 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     _note(axes, (0.02, 0.97), angle, INK, 1.5, 0.85, va="top", **at)
     radius = contact.relative_radius
     conform = "faces conform: contact over a finite length"
-    bend = conform if math.isinf(radius) else f"relative curvature R {_in_unit(1e3 * radius)}"
+    bend = conform if math.isinf(radius) else f"relative curvature R {_in_unit(case.display, 1e3 * radius)}"
     _note(axes, (0.98, 0.03), bend, INK, 1.5, 0.85, ha="right", **at)
 
 
@@ -305,7 +309,7 @@ def contact_window(case: Case) -> tuple[float, float, float]:
     ----------
     case : Case
     """
-    contact, seat = case.contact, cast(Any, case.bodies[1])
+    contact, seat = case.contact, cast("Any", case.bodies[1])
     if contact.chambers:
         places = contact.point(np.linspace(*contact.reach, _PLACES))
         places = places[:, places[0] <= getattr(seat, "land_end", math.inf)]
@@ -330,13 +334,13 @@ def _list(axes: Axes, case: Case) -> None:
     for body in case.every_body:
         made_of = f"{body.table.shape}, {outside_text(body.table.material.name)}"
         lines.append((body.label, made_of, INK, "bold"))
-        drawn = section(body.case, body.name)
-        for key, text in (section_text(drawn) if drawn else {}).items():
+        numbers = section(body.case, body.name)
+        for key, text in (section_text(case.display, numbers) if numbers else {}).items():
             for row, part in enumerate(text.split(", ")):
                 lines.append((key if row == 0 else "", part, INK, "normal"))
         for key, (value, chosen) in listed_dimensions(body.case, body.name).items():
             angle = key.endswith("angle")
-            size = fixed_unit("deg" if angle else "mm").of(value)
+            size = case.display.fixed_unit("deg" if angle else "mm").of(value)
             text = trim_zeros(round_digits(size, 4) if chosen else size) + ("°" if angle else "")
             mark = "⌀" if key.endswith("diameter") else "R " if key.endswith("radius") else ""
             lines.append((key.replace("_", " "), mark + text, GREY if chosen else INK, "normal"))
@@ -397,13 +401,14 @@ def sketch(result: SealSolution) -> Picture:
     figure = Figure(figsize=(NARROW, _SKETCH))
     _draw_whole(figure.add_axes((0.0, 0.02, 1.0, 0.96)), case)
     return captioned(
+        result.display,
         figure,
         "sketch",
         "all" if case.gasket is None else "gasket",
         closure=case.closure.shape,
         seat=case.lower.shape,
         angle=number(math.degrees(contact.angle)),
-        radius=quantity("length", contact.initial_contact_radius),
+        radius=result.display.quantity(contact.initial_contact_radius, "length"),
         side=case.load.pressure_side,
         **case.labels,
     )
@@ -435,12 +440,12 @@ def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
                 (np.array([start, end]), _GROUND, {"lw": 1.0}),
             ):
                 r, z = (points + off * np.array(held[s.name])).T
-                axes.plot(side * r, z, color=INK, **cast(Any, how))
+                axes.plot(side * r, z, color=INK, **cast("Any", how))
     if case.lower.interference:
         wall = 1e3 * np.array([p for s in seat.segments if s.name == "seat_wall" for p in (s.start, s.end)])
         r, z = wall[:, 0].max(), 0.5 * (wall[:, 1].min() + wall[:, 1].max())
         arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.5, **_TO_THE_END}
         for side in (1, -1):
             axes.annotate("", (side * r, z), (side * (r + 18 * scale), z), arrowprops=arrow)
-        text = f"pressed in by {quantity('length', case.lower.interference)}"
+        text = f"pressed in by {case.display.quantity(case.lower.interference, 'length')}"
         axes.text(r - 4 * scale, z + 6 * scale, text, color=ORANGE, ha="right", fontsize=_SMALL, zorder=5)

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 from fem_seal.errors import printable
 from fem_seal.files import own_tables
 from fem_seal.output.pictures.colours import BLUE
-from fem_seal.units import superscript
-from fem_seal.wording import phrase
+from fem_seal.units import Display, superscript
+from fem_seal.wording import say
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ def style() -> Iterator[None]:
     """Drawing settings of the report; those of the caller are restored afterwards."""
     import matplotlib
 
-    with matplotlib.rc_context(cast(Any, _STYLE)):
+    with matplotlib.rc_context(cast("Any", _STYLE)):
         yield
 
 
@@ -138,12 +138,19 @@ def svg(figure: Figure) -> bytes:
 
 
 def captioned(
-    figure: Figure, name: str, *parts: str, alt: Sequence[str] = ("alt",), group: str = "", **values: object
+    display: Display,
+    figure: Figure,
+    name: str,
+    *parts: str,
+    alt: Sequence[str] = ("alt",),
+    group: str = "",
+    **values: object,
 ) -> Picture:
     """A finished figure with its caption from templates/answers/captions.j2.
 
     Parameters
     ----------
+    display : Display
     figure : Figure
     name : str
         Name of the picture.
@@ -156,8 +163,11 @@ def captioned(
     **values
         Values of the {names} in them.
     """
-    where = f"captions.{group or name}"
-    return Picture(name, svg(figure), phrase(where, *alt, **values), phrase(where, *parts, **values))
+    description, caption = (
+        " ".join(say(display, "captions", f"{group or name}_{key}", **values) for key in keys if key)
+        for keys in (alt, parts)
+    )
+    return Picture(name, svg(figure), description, caption)
 
 
 def _render(figure: Figure) -> bytes:
@@ -222,14 +232,14 @@ def _draw_ticks(axes: Axes) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import NullLocator
 
-    shown = axes.transScale + axes.transLimits
+    to_axes = axes.transScale + axes.transLimits
     grid: list[list[tuple[float, float]]] = []
     for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
         ticks = np.asarray(axis.get_major_locator()())
         # a position on the other axis that is valid on any scale
         places = np.empty((len(ticks), 2))
         places[:, along], places[:, 1 - along] = ticks, axes.viewLim.max[1 - along]
-        at = shown.transform(places)[:, along]
+        at = to_axes.transform(places)[:, along]
         inside = (at > -1e-9) & (at < 1 + 1e-9)
         names = axis.get_major_formatter().format_ticks(ticks[inside].tolist())
         axis.set_major_locator(NullLocator())
@@ -288,10 +298,10 @@ def _recolour_for_dark(drawing: bytes) -> bytes:
     """
     if b"<image" in drawing:
         return drawing
-    found = sorted(set(re.findall(rb"(fill|stroke): #([0-9a-f]{6})", drawing)))
+    colours = sorted(set(re.findall(rb"(fill|stroke): #([0-9a-f]{6})", drawing)))
     rules = "".join(
         f'[style*="{kind}: #{colour}"]{{{kind}:#{_turned(colour)} !important}}'
-        for kind, colour in ((kind.decode(), colour.decode()) for kind, colour in found)
+        for kind, colour in ((kind.decode(), colour.decode()) for kind, colour in colours)
     )
     # an element without a colour is black
     rules = f"text{{fill:#{_turned('000000')}}}{rules}"
@@ -311,7 +321,7 @@ def _turned(colour: str) -> str:
     red, green, blue = (int(colour[n : n + 2], 16) / 255 for n in (0, 2, 4))
     hue, light, saturation = colorsys.rgb_to_hls(red, green, blue)
     turned = colorsys.hls_to_rgb(hue, 0.92 - 0.83 * light, saturation)
-    return "".join(f"{round(255 * one):02x}" for one in turned)
+    return "".join(f"{round(255 * colour):02x}" for colour in turned)
 
 
 def label(
@@ -326,7 +336,7 @@ def label(
 
     logarithmic(axes, *log)
     if legend:
-        axes.legend(loc=cast(Any, legend))
+        axes.legend(loc=cast("Any", legend))
     width, height = inches(axes)
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), MaxNLocator):
@@ -408,11 +418,11 @@ def number_dots(axes: Axes, x: ArrayLike, y: ArrayLike, numbers: Sequence[int]) 
     """Number some of the dots of finished axes, with "1, 3" where two numbers would overlap."""
     places = np.column_stack([x, y])
     axes.autoscale_view()
-    drawn = 72 * axes.transLimits.transform(axes.transScale.transform(places)) * inches(axes)
+    points = 72 * axes.transLimits.transform(axes.transScale.transform(places)) * inches(axes)
     texts: dict[int, str] = {}
     for n in few(len(numbers), _NUMBERED_DOTS):
-        if np.isfinite(drawn[n]).all():
-            near = (m for m in texts if np.abs(drawn[m] - drawn[n]).max() < _NUMBERS_APART)
+        if np.isfinite(points[n]).all():
+            near = (m for m in texts if np.abs(points[m] - points[n]).max() < _NUMBERS_APART)
             at = next(near, n)
             texts[at] = f"{texts[at]}, {numbers[n]}" if at in texts else str(numbers[n])
     for n, text in texts.items():

@@ -12,7 +12,7 @@ from fem_seal.output.pictures.style import Picture, captioned, draw_marks, inche
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact
-from fem_seal.units import number, percent, unit_for
+from fem_seal.units import number, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.units import Display
     from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
 
 # Fractions below this share of the nominal area are not drawn.
@@ -41,16 +42,15 @@ def separation_picture(result: SealSolution) -> Picture | None:
     if surface.hardness is not None:
         high = min(high, max(0.98 * surface.hardness, 1.01 * peaks.max()))
     p = np.geomspace(low, high, 30)
-    pressure = unit_for("contact pressure", float(peaks.max()))
-    own = result.loads[0]
-    curves = [(own.names[0], surface, ORANGE if surface.hardness is None else BLUE)]
+    pressure = result.display.unit_for("contact pressure", float(peaks.max()))
+    curves = [(result.loads[0].names[0], surface, ORANGE if surface.hardness is None else BLUE)]
     curves += [
         (scenario.name, scenario.problem.surface or surface, GREEN if words.condition else ORANGE)
         for scenario in alternatives_on_contact(result.problem)
         if (words := SCENARIOS[scenario.name]).curve
     ]
     values = [np.asarray(of.critical_separation(p)) for _, of, _ in curves]
-    unit = unit_for("length", float(max(u.max() for u in values)))
+    unit = result.display.unit_for("length", float(max(u.max() for u in values)))
     figure, (axes, shares) = panels(2, height=3.5)
     for (name, _, colour), u in zip(curves, values, strict=True):
         axes.plot(p / pressure.size, positive(u) / unit.size, color=colour, label=SCENARIOS[name].curve)
@@ -62,6 +62,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
     _total_areas(shares, surface, p, peaks, pressure.size)
     label(shares, "Area of real contact", over, "share of the nominal area", log="xy", legend="best")
     return captioned(
+        result.display,
         figure,
         "separation",
         "all",
@@ -102,18 +103,19 @@ def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
     _area_curves(areas, surface, peak)
     draw_spectrum(spectrum, surface, peak)
     for view in (areas, spectrum):
-        wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
+        wavelength_axis(result.display, view, 1.0 if view is spectrum else surface.spectrum.q_low)
     plastic = surface.hardness is not None
     share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
     smoothed = surface.smoothed
     return captioned(
+        result.display,
         figure,
         "surface",
         "all",
         "plastic" if plastic else "",
         "smoothed" if smoothed else "same",
         load=load_name(load, result.loads),
-        peak=in_words(load, "peak_pressure_Pa"),
+        peak=in_words(result.display, load, "peak_pressure_Pa"),
         share="more than 99.9 %" if share > 0.999 else percent(share, 3),
     )
 
@@ -187,20 +189,20 @@ def _spectrum_points(surface: RoughContact) -> FloatArray:
     return np.unique(np.clip(np.concatenate([q, nodes]), spectrum.q_low, spectrum.q_high))
 
 
-def wavelength_axis(axes: Axes, q_low: float) -> None:
+def wavelength_axis(display: Display, axes: Axes, q_low: float) -> None:
     """A second axis at the top with wavelengths."""
     low, high = (x * q_low for x in axes.get_xlim())
     decades = 10.0 ** np.arange(np.ceil(np.log10(2 * np.pi / high)), np.floor(np.log10(2 * np.pi / low)) + 1)
     places = np.column_stack([2 * np.pi / (decades * q_low), np.full(len(decades), axes.get_ylim()[1])])
     shares = (axes.transScale + axes.transLimits).transform(places)[:, 0].tolist()
-    draw_marks(axes, shares, [_round_length(length) for length in decades], "top")
+    draw_marks(axes, shares, [_round_length(display, length) for length in decades], "top")
     axes.spines["top"].set_visible(True)
     _, height = inches(axes)
     axes.text(0.5, 1 + 0.29 / height, "wavelength", transform=axes.transAxes, ha="center", va="bottom")
 
 
-def _round_length(length: float) -> str:
-    unit = unit_for("length", length)
+def _round_length(display: Display, length: float) -> str:
+    unit = display.unit_for("length", length)
     return f"{number(round(unit.of(length), 3), 1)} {unit.name}"
 
 
@@ -231,8 +233,8 @@ def law_picture(result: SealSolution) -> Picture | None:
         u0, p_c = exponential_law(result.case.interface, surface)
         assert u0 is not None and p_c is not None
         curves.append(("exponential", u0 * np.log(p_c / p), BLUE, True))
-    unit = unit_for("length", max(float(gap.max()) for _, gap, _, used in curves if used))
-    pressure = unit_for("contact pressure", float(peaks.max()))
+    unit = result.display.unit_for("length", max(float(gap.max()) for _, gap, _, used in curves if used))
+    pressure = result.display.unit_for("contact pressure", float(peaks.max()))
     figure, (axes,) = panels(1, height=3.5, width=5.6)
     for name, gap, colour, used in curves:
         above = gap > 0
@@ -253,7 +255,7 @@ def law_picture(result: SealSolution) -> Picture | None:
     axes.set_xlim(0.0)
     names = f"mean gap u  [{unit.name}]", f"contact pressure p  [{pressure.name}]"
     label(axes, "Interface law", *names, log="y", legend="upper right")
-    return captioned(figure, "law", "all")
+    return captioned(result.display, figure, "law", "all")
 
 
 # More points than this cannot be told apart on paper.
@@ -261,11 +263,12 @@ _MOST_POINTS = 3000
 _MOST_PIXELS = 400
 
 
-def scan_picture(surface: MeasuredSurface) -> Picture:
+def scan_picture(display: Display, surface: MeasuredSurface) -> Picture:
     """Heights of the first scan without form, and the spectrum of all with its error and its fitted power law.
 
     Parameters
     ----------
+    display : Display
     surface : MeasuredSurface
     """
     from leak import LineScan
@@ -273,13 +276,14 @@ def scan_picture(surface: MeasuredSurface) -> Picture:
     figure, (heights, spectrum) = panels(2, height=4.1, head=0.85, ratios=(1.0, 1.15))
     first = surface.scans[0]
     if isinstance(first, LineScan):
-        _profile(heights, first)
+        _profile(display, heights, first)
     else:
-        _map(heights, first)
+        _map(display, heights, first)
     _spectrum(spectrum, surface)
-    wavelength_axis(spectrum, 1.0)
+    wavelength_axis(display, spectrum, 1.0)
     count = len(surface.scans)
     return captioned(
+        display,
         figure,
         "surface",
         "several" if count > 1 else "one",
@@ -290,18 +294,20 @@ def scan_picture(surface: MeasuredSurface) -> Picture:
     )
 
 
-def _profile(axes: Axes, scan: LineScan) -> None:
-    every = max(scan.heights.size // _MOST_POINTS, 1)
-    x, h = np.arange(scan.heights.size)[::every] * scan.spacing, scan.heights[::every]
-    across, up = unit_for("length", scan.length), unit_for("length", 2 * float(np.abs(h).max()))
+def _profile(display: Display, axes: Axes, scan: LineScan) -> None:
+    step = max(scan.heights.size // _MOST_POINTS, 1)
+    x, h = np.arange(scan.heights.size)[::step] * scan.spacing, scan.heights[::step]
+    across = display.unit_for("length", scan.length)
+    up = display.unit_for("length", 2 * float(np.abs(h).max()))
     axes.plot(x / across.size, h / up.size, color=BLUE, lw=0.7)
     label(axes, scan.name or "scan", f"x  [{across.name}]", f"height  [{up.name}]")
 
 
-def _map(axes: Axes, scan: HeightMap) -> None:
-    every = max(max(scan.heights.shape) // _MOST_PIXELS, 1)
-    h = scan.heights[::every, ::every]
-    across, up = unit_for("length", scan.length), unit_for("length", 2 * float(np.abs(h).max()))
+def _map(display: Display, axes: Axes, scan: HeightMap) -> None:
+    step = max(max(scan.heights.shape) // _MOST_PIXELS, 1)
+    h = scan.heights[::step, ::step]
+    across = display.unit_for("length", scan.length)
+    up = display.unit_for("length", 2 * float(np.abs(h).max()))
     reach = 3.0 * float(h.std()) / up.size
     width, height = (side / across.size for side in scan.size)
     image = axes.imshow(

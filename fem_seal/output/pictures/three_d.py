@@ -28,11 +28,12 @@ from fem_seal.output.pictures.contact import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import format_quantity, quantity, unit_for
+from fem_seal.units import Display
 from meshes.own_process import OwnProcessError, run_in_subprocess
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
+    from fem_seal.units import Display
 
 IntArray = NDArray[np.int64]
 
@@ -101,7 +102,7 @@ def loads_in(folder: Path) -> list[LoadFiles]:
         raise InputError.at(str(folder), f"holds no VTK files (contact.pvd); {run}") from None
     except (OSError, ET.ParseError) as error:
         raise InputError.at(str(series), f"cannot be read ({error}); run the case again") from None
-    found = []
+    loads = []
     for entry in entries:
         name = entry.get("file", "")
         match = re.fullmatch(r"contact_(\d+)\.vtu", name)
@@ -112,13 +113,15 @@ def loads_in(folder: Path) -> list[LoadFiles]:
         for path in (bodies, line):
             if not (number and path.is_file()):
                 raise InputError.at(str(series), f"names {path.name}, which is missing; run the case again")
-        found.append(LoadFiles(bodies, line, around if around.is_file() else None))
-    if not found:
+        loads.append(LoadFiles(bodies, line, around if around.is_file() else None))
+    if not loads:
         raise InputError.at(str(series), f"names no load; {run}")
-    return found
+    return loads
 
 
-def view(folder: Path, png: Path | None = None, load: int | None = None) -> None:
+def view(
+    folder: Path, png: Path | None = None, load: int | None = None, display: Display | None = None
+) -> None:
     """Show the seal of a results folder in a window, or draw it into a file.
 
     Parameters
@@ -128,6 +131,8 @@ def view(folder: Path, png: Path | None = None, load: int | None = None) -> None
         Draw into this file and open no window.
     load : int, optional
         Number of the load, from 1; the last one unless given. The window has a slider for the others.
+    display : Display, optional
+        That of a folder, which says nothing of it, unless given.
 
     Raises
     ------
@@ -138,17 +143,17 @@ def view(folder: Path, png: Path | None = None, load: int | None = None) -> None
     OutputError
         If the file cannot be written.
     """
-    files = loads_in(folder)
+    files, display = loads_in(folder), display or Display()
     number = len(files) if load is None else load
     if not 1 <= number <= len(files):
         only = "there is one load" if len(files) == 1 else f"the loads are numbered 1 to {len(files)}"
         raise InputError.at("load", f"no such load; {only}", str(load))
     if png is not None:
-        write_bytes(png, _draw_in_subprocess(_SOON, _png, files[number - 1], True))
+        write_bytes(png, _draw_in_subprocess(_SOON, _png, display, files[number - 1], True))
         return
     if sys.platform not in ("win32", "darwin") and not os.environ.get("DISPLAY"):
         raise DrawingError(_NO_DISPLAY)
-    if not _draw_in_subprocess(_OPEN, _window, files, number - 1):
+    if not _draw_in_subprocess(_OPEN, _window, display, files, number - 1):
         raise DrawingError(_NO_DISPLAY)
 
 
@@ -168,7 +173,7 @@ def drawn_in_space(result: SealSolution) -> bytes | None:
         with TemporaryDirectory(prefix="fem-seal-") as name:
             folder = Path(name)
             write_for_view(replace(result, loads=(result.highest,)), folder)
-            image: bytes = _draw_in_subprocess(_SOON, _png, loads_in(folder)[0], False)
+            image: bytes = _draw_in_subprocess(_SOON, _png, result.display, loads_in(folder)[0], False)
             return image
     except (DrawingError, OSError):
         return None
@@ -207,7 +212,7 @@ def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
     peak = max(profile.pressure.max() for profile in load.profiles)
     if load.around is not None:
         peak = load.around.pressure_and_gap()[0].max()
-    unit = unit_for("contact pressure", float(peak))
+    unit = result.display.unit_for("contact pressure", float(peak))
     scene = _without_margins(imread(BytesIO(image)))
     height, scale = 4.4, 1.1
     width = height * scene.shape[1] / scene.shape[0]
@@ -223,13 +228,13 @@ def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
     bar.set_label(f"contact pressure  [{unit.name}]")
     bar.outline.set_linewidth(0.5)
     name = load_name(load, result.loads)
-    return captioned(figure, "seal", "scene", load=name, **result.case.labels)
+    return captioned(result.display, figure, "seal", "scene", load=name, **result.case.labels)
 
 
 def _without_margins(image: FloatArray) -> FloatArray:
     """The part of an image, shape (rows, columns, colours), that is not white."""
-    drawn = image[..., :3].min(axis=2) < 1.0
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    inked = image[..., :3].min(axis=2) < 1.0
+    rows, columns = np.flatnonzero(inked.any(axis=1)), np.flatnonzero(inked.any(axis=0))
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
@@ -246,36 +251,36 @@ def _draw_in_subprocess(time_limit: float, function: Any, /, *arguments: object)
 # --- what follows happens in a process of its own ----------------------------------------------------------
 
 
-def _png(files: LoadFiles, scale: bool) -> bytes:
+def _png(display: Display, files: LoadFiles, scale: bool) -> bytes:
     """The picture of a load; `scale`: with a colour scale and the name of the load."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(_SIZE))
-    _set_scene(plotter, files, scale)
+    _set_scene(display, plotter, files, scale)
     out = BytesIO()
     plotter.screenshot(out)
     plotter.close()
     return out.getvalue()
 
 
-def _window(files: Sequence[LoadFiles], number: int) -> bool:
+def _window(display: Display, files: Sequence[LoadFiles], number: int) -> bool:
     """Show the loads in a window until it is closed; False if there is no display."""
     import pyvista
 
     plotter = pyvista.Plotter(window_size=list(_SIZE), title="fem-seal")
     if plotter.render_window.GetClassName() in _WINDOWLESS:
         return False
-    _interactive(plotter, files, number)
+    _interactive(display, plotter, files, number)
     plotter.show()
     return True
 
 
-def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
+def _interactive(display: Display, plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
     """The scene of a load, and a slider for the others if there are any."""
-    _set_scene(plotter, files[number], True)
+    _set_scene(display, plotter, files[number], True)
     if len(files) > 1:
         plotter.add_slider_widget(
-            lambda value: _draw(plotter, files[round(value) - 1], True),
+            lambda value: _draw(display, plotter, files[round(value) - 1], True),
             (1, len(files)),
             value=number + 1,
             color=_INK,
@@ -283,11 +288,11 @@ def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
         )
 
 
-def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
+def _set_scene(display: Display, plotter: Any, files: LoadFiles, scale: bool) -> None:
     """Set background, scene of a load, and camera."""
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
-    _draw(plotter, files, scale)
+    _draw(display, plotter, files, scale)
     azimuth, elevation = np.radians(_FROM)
     across = math.cos(elevation)
     plotter.camera.parallel_projection = False
@@ -297,27 +302,27 @@ def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
     plotter.camera.zoom(1.2 if "lower flange cut" in plotter.actors else 1.4)
 
 
-def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
+def _draw(display: Display, plotter: Any, files: LoadFiles, scale: bool) -> None:
     """Put the scene of a load into a plotter, replacing the present one."""
     import pyvista
 
     grid, layout = pyvista.read(files.bodies), own_tables("pictures.toml")["in_space"]
     size = float(np.ptp(grid.points[:, :2], axis=0).max())
-    drawn = (("closure", _CLOSURE, "closure"), ("seat", _SEAT, "seat"), ("lower flange", _SEAT, "closure"))
-    for number, (name, turn, colours) in enumerate(drawn[: 1 + int(grid["body"].max())]):
+    bodies = (("closure", _CLOSURE, "closure"), ("seat", _SEAT, "seat"), ("lower flange", _SEAT, "closure"))
+    for number, (name, turn, colours) in enumerate(bodies[: 1 + int(grid["body"].max())]):
         face, cut = _COLOURS[colours]
         meshes = _swept(_section(grid, number), turn)
         for what, mesh, colour in zip(("face", "cut", "edges"), meshes, (face, cut, _INK), strict=True):
             plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **layout[what])
     surface, times = _pressure(files, size, int(grid["body"].max()))
-    unit = unit_for("contact pressure", float(surface["pressure"].max()))
+    unit = display.unit_for("contact pressure", float(surface["pressure"].max()))
     surface["pressure"] = unit.of(1.0) * surface["pressure"]
     highest = float(surface["pressure"].max())
-    shown = surface.threshold(_FAINT * highest, scalars="pressure")
+    patch = surface.threshold(_FAINT * highest, scalars="pressure")
     for bar in list(plotter.scalar_bars.keys()):
         plotter.remove_scalar_bar(bar, render=False)
     plotter.add_mesh(
-        shown,
+        patch,
         scalars="pressure",
         cmap=_COLOUR_MAP,
         clim=(0.0, highest),
@@ -327,12 +332,12 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         show_scalar_bar=scale,
         scalar_bar_args={"title": f"contact pressure [{unit.name}]", "color": _INK, **layout["colours"]},
     )
-    leak = _leak_paths(plotter, surface, size)
+    leak = _leak_paths(display, plotter, surface, size)
     if scale:
         pressure, force = (
             float(grid.field_data[name][0]) for name in ("fluid_pressure_Pa", "contact_force_N")
         )
-        text = f"{format_quantity('fluid pressure', pressure)}, contact force {quantity('force', force)}"
+        text = f"{display.quantity(pressure, 'given fluid pressure')}, contact force {display.quantity(force, 'force')}"
         text += "" if times == 1.0 else f", contact drawn {times:.2g} times as wide"
         text += (
             leak
@@ -343,7 +348,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         )
 
 
-def _leak_paths(plotter: Any, surface: Any, size: float) -> str:
+def _leak_paths(display: Display, plotter: Any, surface: Any, size: float) -> str:
     """Draw the ways of the fluid across the contact; the largest leak rate per mm, empty where nothing leaks."""
     import pyvista
 
@@ -352,8 +357,8 @@ def _leak_paths(plotter: Any, surface: Any, size: float) -> str:
         return ""
     across, around, _ = surface.dimensions
     points, pressure, leak = (
-        np.asarray(one).reshape(around, across, -1)
-        for one in (surface.points, surface["pressure"], surface["leak"])
+        np.asarray(values).reshape(around, across, -1)
+        for values in (surface.points, surface["pressure"], surface["leak"])
     )
     ways = []
     for n in np.unique(np.linspace(0, around - 1, _PATHS).astype(int)):
@@ -373,7 +378,7 @@ def _leak_paths(plotter: Any, surface: Any, size: float) -> str:
         "lighting": False,
     }
     plotter.add_mesh(tubes, name="leak", render=False, **look)
-    return quantity("flow", 1e-3 * most)
+    return display.quantity(1e-3 * most, "flow")
 
 
 def _section(grid: Any, body: int) -> Any:
@@ -392,7 +397,7 @@ def _swept(section: Any, turn: tuple[float, float]) -> tuple[Any, Any, Any]:
 
     alone = {"manifold_edges": False, "non_manifold_edges": False}
     outline = section.extract_feature_edges(feature_edges=False, **alone)
-    cut, edges = (pyvista.merge([one.rotate_z(end) for end in turn]) for one in (section, outline))
+    cut, edges = (pyvista.merge([mesh.rotate_z(end) for end in turn]) for mesh in (section, outline))
     first, last = turn
     steps = round((last - first) / _STEP)
     whole = outline.extrude_rotate(resolution=steps, angle=last - first, capping=False).rotate_z(first)

@@ -13,6 +13,7 @@ from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.answers.target import TARGET
 from fem_seal.loads import LARGEST_TURNING
+from fem_seal.output.answer_output import AnswerPage, decisive
 from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.sensitivities import change_in_brief
@@ -28,11 +29,10 @@ from fem_seal.output.columns import (
     in_words,
 )
 from fem_seal.output.pictures.style import few
-from fem_seal.output.shown import AnswerPage, decisive
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_result import MissingLoad, highest_load, load_axis, load_name, load_values
-from fem_seal.units import leak_range_text, shared_flow_unit
-from fem_seal.wording import join_names, phrase
+from fem_seal.units import Display
+from fem_seal.wording import join_names, say
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -51,8 +51,8 @@ def first_line(result: SealSolution) -> str:
     """
     if result.highest.leak is None and result.judgement is None:
         return f"{_contact_alone(result)}{missing_in_brief(result)}"
-    told = verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.every_load)
-    return f"{told}{missing_in_brief(result)}"
+    line = verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.every_load)
+    return f"{line}{missing_in_brief(result)}"
 
 
 def given_in_words(result: SealSolution) -> list[str]:
@@ -62,18 +62,19 @@ def given_in_words(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    return list(dict.fromkeys(one.remark for one in result.answers.get("profiles", ()) if one.remark))
+    return list(dict.fromkeys(leak.remark for leak in result.answers.get("profiles", ()) if leak.remark))
 
 
 def _contact_alone(result: SealSolution) -> str:
     """Width and peak pressure of the contact of a case without a leak rate, and why it has none."""
     missing, load = "roughness" if result.surface is None else "fluid", result.highest
-    at, contact = load_values(load, result.every_load), _contact(load)
-    return phrase("brief.first", "contact", load=at, contact=contact, missing=missing)
+    at, contact = load_values(load, result.every_load), _contact(result.display, load)
+    return say(result.display, "brief", "first_contact", load=at, contact=contact, missing=missing)
 
 
-def _contact(load: CaseLoad) -> str:
-    return f"{in_words(load, 'fwhm_m')} wide under {in_words(load, 'peak_pressure_Pa')} peak pressure"
+def _contact(display: Display, load: CaseLoad) -> str:
+    width, peak = (in_words(display, load, name) for name in ("fwhm_m", "peak_pressure_Pa"))
+    return f"{width} wide under {peak} peak pressure"
 
 
 def lines_in_brief(result: SealSolution, pages: Sequence[AnswerPage]) -> list[str]:
@@ -97,12 +98,13 @@ def missing_in_brief(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    missing, found = result.missing_loads, result.judgement
+    display = result.display
+    missing, judgement = result.missing_loads, result.judgement
     # one that decides the verdict is named with it
-    if not missing or (found is not None and found.number is None and len(missing) == 1):
+    if not missing or (judgement is not None and judgement.number is None and len(missing) == 1):
         return ""
     names = load_axis(result.every_load).names
-    return phrase("brief.first", "missing", names=join_names([names[one.number] for one in missing]))
+    return say(display, "brief", "first_missing", names=join_names([names[load.number] for load in missing]))
 
 
 def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
@@ -115,28 +117,29 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
     loads : sequence of CaseLoad or MissingLoad
         All of them.
     """
-    at, found, volume = load_values(load, loads), load.validity, volume_of(case)
+    at, validity, volume = load_values(load, loads), load.validity, volume_of(case)
     if load.leak is None:
-        return phrase("brief.first", "none", load=at)
-    if found.outside_theory:
-        return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
+        return say(case.display, "brief", "first_none", load=at)
+    if validity.outside_theory:
+        return say(case.display, "brief", "first_outside", load=at, reason=validity.reasons[0])
     one_number = has_one_number(load)
     told_rate, digits = (
         (load.leak.leak_rate, min(load.leak_digits, 2)) if one_number else (rate_of(load), load.leak_digits)
     )
-    rate = leak_range_text(told_rate, digits, volume=volume)
+    rate = case.display.leak_range(told_rate, digits, volume=volume)
     classes = leakage_classes(case, load)
-    met = ", ".join(str(one) for one in classes if one.name)
+    met = ", ".join(str(leakage_class) for leakage_class in classes if leakage_class.name)
     ends = load.leak_interval or (load.leak.leak_rate,)
     sealed = not volume.measurable(max(ends))
     key = "tested" if load.after_test else "tight" if sealed else "leaks_published" if one_number else "leaks"
-    told = phrase(
-        "brief.first",
-        key,
-        load=f"{at}, with doubt" if found.level is Level.DOUBTFUL else at,
-        rate=told_after_test(load, volume, rate) if load.after_test else rate,
+    line = say(
+        case.display,
+        "brief",
+        f"first_{key}",
+        load=f"{at}, with doubt" if validity.level is Level.DOUBTFUL else at,
+        rate=told_after_test(case.display, load, volume, rate) if load.after_test else rate,
     )
-    return f"{told}; " + phrase("brief.first", "classes" if met else "no_class", met=met)
+    return f"{line}; " + say(case.display, "brief", f"first_{'classes' if met else 'no_class'}", met=met)
 
 
 def second_line(result: SealSolution) -> str:
@@ -147,18 +150,21 @@ def second_line(result: SealSolution) -> str:
     result : SealSolution
     """
     load = decisive(result)
-    told = (_ADVICE[key](result, load) for key in _ORDER[result.verdict])
-    return next(filter(None, told), "")
+    lines = (_ADVICE[key](result, load) for key in _ORDER[result.verdict])
+    return next(filter(None, lines), "")
 
 
 def _force(result: SealSolution, load: CaseLoad) -> str:
-    judged = [one for one in result.loads if one.judgement is not None] or [load]
-    found = {one: None if one.verdict_force is None else one.verdict_force.force for one in judged}
-    forces = [(force, one) for one, force in found.items() if force is not None]
-    if len(forces) < len(found):
+    display = result.display
+    judged_loads = [entry for entry in result.loads if entry.judgement is not None] or [load]
+    force_at = {
+        entry: None if entry.verdict_force is None else entry.verdict_force.force for entry in judged_loads
+    }
+    forces = [(force, entry) for entry, force in force_at.items() if force is not None]
+    if len(forces) < len(force_at):
         return ""
-    force, where = max(forces, key=lambda one: one[0])
-    return phrase("brief.second", "force", load=where, force=verdict.force_to_pass(force))
+    force, where = max(forces, key=lambda pair: pair[0])
+    return say(display, "brief", "second_force", load=where, force=verdict.force_to_pass(display, force))
 
 
 def _curve(result: SealSolution, load: CaseLoad) -> str:
@@ -167,32 +173,35 @@ def _curve(result: SealSolution, load: CaseLoad) -> str:
     if not yields:
         return ""
     # the strip that carries the line load with Prandtl's pressure, some three times the yield stress
-    strengths = [one.yield_stress for one in result.problem.materials.values() if one.yield_stress]
+    strengths = [metal.yield_stress for metal in result.problem.materials.values() if metal.yield_stress]
     width = load.line_load / (3.0 * min(strengths))
     coins = width / 2.0 > LARGEST_TURNING * load.contact.model.relative_radius and not result.case.gasket
-    return phrase("brief.second", "land" if coins else "curve_needed", width=width)
+    return say(result.display, "brief", f"second_{'land' if coins else 'curve_needed'}", width=width)
 
 
 def _strength(result: SealSolution, load: CaseLoad) -> str:
-    unknown = any(one.yield_stress is None for one in result.problem.materials.values())
-    yields = any(one.kind == YIELD_STRESS for one in load.validity.cautions)
-    return phrase("brief.second", "strength") if unknown and yields else ""
+    unknown = any(material.yield_stress is None for material in result.problem.materials.values())
+    yields = any(caution.kind == YIELD_STRESS for caution in load.validity.cautions)
+    return say(result.display, "brief", "second_strength") if unknown and yields else ""
 
 
 def _stop(result: SealSolution, load: CaseLoad) -> str:
-    return phrase("brief.second", "stop", load=load) if load.stop_force else ""
+    return say(result.display, "brief", "second_stop", load=load) if load.stop_force else ""
 
 
 def _share(result: SealSolution, load: CaseLoad) -> str:
-    found = largest_share(result, result.loads.index(load))
-    if found is None:
+    display = result.display
+    largest = largest_share(result, result.loads.index(load))
+    if largest is None:
         return ""
-    return phrase("brief.second", "share", name=found[0], share=found[1], at=load_name(load, result.loads))
+    return say(
+        display, "brief", "second_share", name=largest[0], share=largest[1], at=load_name(load, result.loads)
+    )
 
 
 def _use_in_words(result: SealSolution, load: CaseLoad) -> str:
     used = "" if result.judgement is None else verdict.used_in_words(result, result.judgement.shares)
-    return phrase("brief.second", "used", used=used) if used else ""
+    return say(result.display, "brief", "second_used", used=used) if used else ""
 
 
 _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
@@ -212,8 +221,10 @@ _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
         _share(result, load) if any(shares.is_telling for shares in result.error_shares) else ""
     ),
     "used": _use_in_words,
-    "none": lambda result, load: phrase("brief.second", "contact" if load.leak is None else "none"),
-    "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),
+    "none": lambda result, load: say(
+        result.display, "brief", f"second_{'contact' if load.leak is None else 'none'}"
+    ),
+    "ask": lambda result, load: "" if result.sensitivities else say(result.display, "brief", "second_ask"),
 }
 # What is told after each verdict, the first that is known.
 _FAILS = ("helps", "force", "stop", "measure", "ask", "used")
@@ -242,14 +253,14 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable,
     kept = list(range(len(loads)))
     if len(loads) > _ROWS:
         margins = [load.margin if isinstance(load, CaseLoad) else None for load in loads]
-        known = [n for n in kept if margins[n] is not None and not math.isnan(margins[n] or 0.0)]
-        worst = min(known, key=lambda n: margins[n] or 0.0) if known else highest_load(loads)
+        with_margin = [n for n in kept if margins[n] is not None and not math.isnan(margins[n] or 0.0)]
+        worst = min(with_margin, key=lambda n: margins[n] or 0.0) if with_margin else highest_load(loads)
         kept = sorted({*few(len(loads), _FEW_ROWS), worst})
-    shown = [loads[n] for n in kept]
-    columns = _most_telling(case, shown)
+    kept_loads = [loads[n] for n in kept]
+    columns = _most_telling(case, kept_loads)
     table = columns_table(columns, none="none")
     numbered = load_axis(loads).returns
-    marks = ["" if isinstance(load, MissingLoad) else load.validity.level.mark for load in shown]
+    marks = ["" if isinstance(load, MissingLoad) else load.validity.level.mark for load in kept_loads]
     rows = (
         (f"{mark} {n + 1}: {first}" if numbered else f"{mark} {first}".lstrip(), *others)
         for n, mark, (first, *others) in zip(kept, marks, table.rows, strict=True)
@@ -259,25 +270,27 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable,
 
 def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     """Columns that have a value and tell something of their own, without those that are spared first."""
-    found = [load for load in loads if isinstance(load, CaseLoad)]
-    without = {"leak_rate_m3_per_s" if any(load.after_test for load in found) else "leak_rate_p50_m3_per_s"}
+    results = [load for load in loads if isinstance(load, CaseLoad)]
+    without = {"leak_rate_m3_per_s" if any(load.after_test for load in results) else "leak_rate_p50_m3_per_s"}
     if len({load.applied_force for load in loads}) == 1:
         without.add("applied_force_N")
     names = [name for name in SHOWN_COLUMNS["brief"] if name not in without]
     filled = filled_columns(case, names, loads)
-    told = (
-        one
-        for one in (_clear_unclaimed(_finite(one), case, loads) for one in filled)
-        if one.some and (any(one.values) or one.column.kind == "flow")
+    telling = (
+        column
+        for column in (_clear_unclaimed(_finite(column), case, loads) for column in filled)
+        if column.some and (any(column.values) or column.column.kind == "flow")
     )
-    columns = list(_leaks_in_one_unit(told))
-    ends = [one.values for one in columns if one.column.name in _ENDS]
+    columns = list(_leaks_in_one_unit(case.display, telling))
+    ends = [column.values for column in columns if column.column.name in _ENDS]
     columns = [
-        one for one in columns if one.column.name in _ENDS or not any(_repeats_end(one, end) for end in ends)
+        column
+        for column in columns
+        if column.column.name in _ENDS or not any(_repeats_end(column, end) for end in ends)
     ]
     for name in SHOWN_COLUMNS["spared"]:
         if len(columns) > MOST_COLUMNS:
-            columns = [one for one in columns if one.column.name != name]
+            columns = [column for column in columns if column.column.name != name]
     return columns
 
 
@@ -286,7 +299,7 @@ _ENDS = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 
 def _finite(column: ReportColumn) -> ReportColumn:
     values = [value if value is not None and math.isfinite(value) else None for value in column.values]
-    return replace(column, values=values, digits=[min(one, _DIGITS) for one in column.digits])
+    return replace(column, values=values, digits=[min(digits, _DIGITS) for digits in column.digits])
 
 
 def _clear_unclaimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad]) -> ReportColumn:
@@ -310,13 +323,19 @@ def _repeats_end(column: ReportColumn, end: Sequence[float | None]) -> bool:
     )
 
 
-def _leaks_in_one_unit(columns: Iterable[ReportColumn]) -> Iterator[ReportColumn]:
+def _leaks_in_one_unit(display: Display, columns: Iterable[ReportColumn]) -> Iterator[ReportColumn]:
     """Columns whose leak rates share the unit of the sentences."""
-    known = list(columns)
-    rates = [rate for one in known if one.column.kind == "flow" for rate in one.values if rate is not None]
-    unit = shared_flow_unit(rates)
-    for one in known:
-        yield replace(one, given_unit=unit) if one.column.kind == "flow" else one
+    all_columns = list(columns)
+    rates = [
+        rate
+        for column in all_columns
+        if column.column.kind == "flow"
+        for rate in column.values
+        if rate is not None
+    ]
+    unit = display.shared_flow_unit(rates)
+    for column in all_columns:
+        yield replace(column, given_unit=unit) if column.column.kind == "flow" else column
 
 
 def remarks_in_brief(result: SealSolution) -> dict[str, str]:
@@ -328,17 +347,20 @@ def remarks_in_brief(result: SealSolution) -> dict[str, str]:
     ----------
     result : SealSolution
     """
-    display = result.case.display
-    known = {one.text(display): one for one in all_cautions(result.answers)}
-    kinds, target = {one.kind for one in FINDINGS.of(result.answers).cautions}, TARGET.of(result.answers)
-    again = {one.text(display) for one in target.remarks if one.kind in kinds} if target else set()
-    told: dict[str, str] = {}
+    display = result.display
+    caution_of = {caution.text(display): caution for caution in all_cautions(result.answers)}
+    kinds, target = (
+        {caution.kind for caution in FINDINGS.of(result.answers).cautions},
+        TARGET.of(result.answers),
+    )
+    again = {remark.text(display) for remark in target.remarks if remark.kind in kinds} if target else set()
+    clauses: dict[str, str] = {}
     for text in result.warnings:
-        if text in known and text not in again:
-            found = known[text]
-            place = found.place(display)
-            texts = (f"{place[:1].upper()}{place[1:]}", found.remedy(display))
-            told.setdefault(found.reason(display), ". ".join(filter(None, texts)))
+        if text in caution_of and text not in again:
+            caution = caution_of[text]
+            place = caution.place(display)
+            texts = (f"{place[:1].upper()}{place[1:]}", caution.remedy(display))
+            clauses.setdefault(caution.reason(display), ". ".join(filter(None, texts)))
         elif text not in again:
-            told.setdefault(text, "")
-    return told
+            clauses.setdefault(text, "")
+    return clauses

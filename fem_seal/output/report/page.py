@@ -21,7 +21,8 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone
 from fem_seal.errors import write
 from fem_seal.files import write_text
-from fem_seal.output import case_words, shown_answers
+from fem_seal.output import answer_outputs, case_words
+from fem_seal.output.answer_output import decisive, prose, worded_table
 from fem_seal.output.answers import variants, verdict
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, ReadableTable, columns_table, filled_columns
@@ -39,18 +40,18 @@ from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.report import brief
-from fem_seal.output.shown import decisive, prose, worded_table
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
 from fem_seal.seal.load_result import MissingLoad, in_order, load_name
 from fem_seal.seal.problem import exponential_law
-from fem_seal.units import format_quantity, keep_units_together, percent, quantity_worth, strain_text
+from fem_seal.units import keep_units_together, percent, strain_text
 from fem_seal.version import __version__
-from fem_seal.wording import phrase, template
+from fem_seal.wording import say, template
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.materials import HardeningCurve
+    from fem_seal.units import Display
 
 
 # So much stands on the short page: tiles, reasons, warnings that are not folded, pictures beside contact, leak, case.
@@ -82,16 +83,16 @@ def report(result: SealSolution, *, full: bool = False) -> str:
         With all numbers, pictures and tables; otherwise what decides, on a page that is read in some minutes.
     """
     derived = derive_beside(result)
-    drawn = pictures(result, derived) if full else short_pictures(result, derived)
-    shown = ("leak", "memory") if full else _shown_beside([picture.name for picture in drawn])
-    return template("report/page.html.j2").render(
+    drawings = pictures(result, derived) if full else short_pictures(result, derived)
+    curves = ("leak", "memory") if full else _shown_beside([picture.name for picture in drawings])
+    return template(result.display, "report/page.html.j2").render(
         title=result.case.title or "fem-seal",
         in_css=_escape_for_css,
         load_name=load_name,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        picture={picture.name: _keep_units_whole(picture) for picture in drawn},
-        short_pictures=shown,
+        picture={picture.name: _keep_units_whole(picture) for picture in drawings},
+        short_pictures=curves,
         sources=list(sources(result)),
         result=result,
         full=full,
@@ -113,12 +114,14 @@ def _keep_units_whole(said: Any) -> Any:
     if isinstance(said, dict):
         return {key: _keep_units_whole(text) for key, text in said.items()}
     if isinstance(said, (list, tuple)):
-        found = [_keep_units_whole(text) for text in said]
+        texts = [_keep_units_whole(text) for text in said]
         # of named tuples the same
-        return type(said)(*found) if hasattr(said, "_fields") else type(said)(found)
+        return type(said)(*texts) if hasattr(said, "_fields") else type(said)(texts)
     if is_dataclass(said) and not isinstance(said, type):
-        texts = {one.name: getattr(said, one.name) for one in fields(said) if one.init}
-        return replace(said, **{name: _keep_units_whole(text) for name, text in texts.items()})
+        entries = {
+            attribute.name: getattr(said, attribute.name) for attribute in fields(said) if attribute.init
+        }
+        return replace(said, **{name: _keep_units_whole(entry) for name, entry in entries.items()})
     return said
 
 
@@ -130,7 +133,9 @@ def _escape_for_css(text: str) -> str:
     >>> _escape_for_css('Ball & "cone"')
     'Ball \\26  \\22 cone\\22 '
     """
-    return "".join(one if one.isalnum() or one in " ,.-" else f"\\{ord(one):x} " for one in text)
+    return "".join(
+        letter if letter.isalnum() or letter in " ,.-" else f"\\{ord(letter):x} " for letter in text
+    )
 
 
 def short_pictures(result: SealSolution, derived: ClosedForms) -> list[Picture]:
@@ -143,23 +148,29 @@ def short_pictures(result: SealSolution, derived: ClosedForms) -> list[Picture]:
         Closed forms of the case.
     """
     with style():
-        drawn = [sketch(result)]
+        drawings = [sketch(result)]
         if not result.of_profile:
-            drawn.append(contact_picture(result, decisive(result)))
+            drawings.append(contact_picture(result, decisive(result)))
         if len(result.loads) > 1:
-            drawn += filter(None, [leak_picture(result)])
-        beside = [*filter(None, _drawn_beside(result, derived))]
-        drawn += sorted(beside, key=lambda picture: _RANK.index(picture.name))[:_BESIDE]
-    return drawn
+            drawings += filter(None, [leak_picture(result)])
+        others = [*filter(None, _drawn_beside(result, derived))]
+        drawings += sorted(others, key=lambda picture: _RANK.index(picture.name))[:_BESIDE]
+    return drawings
 
 
 def _drawn_beside(result: SealSolution, derived: ClosedForms) -> Iterator[Picture | None]:
     """Pictures that answer what the case asks, as far as there are any."""
-    around = [one for one in _pictures_around(result) if one is not None and one.name in _RANK]
+    around = [
+        picture for picture in _pictures_around(result) if picture is not None and picture.name in _RANK
+    ]
     yield from around[-1:]
-    for shown in shown_answers.SHOWN:
-        if shown.asked(result):
-            yield from (one for one in shown.pictures(result) if one is not None and one.name in _RANK)
+    for output in answer_outputs.OUTPUTS:
+        if output.answers(result):
+            yield from (
+                picture
+                for picture in output.pictures(result)
+                if picture is not None and picture.name in _RANK
+            )
     yield memory_picture(result)
     if result.of_profile:
         yield profile_picture(result, derived)
@@ -201,9 +212,9 @@ def _draw_pictures(
         yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
         yield temperature_picture(result, top)
         yield imprint_picture(result)
-    for shown in shown_answers.SHOWN:
-        if shown.asked(result):
-            yield from shown.pictures(result)
+    for output in answer_outputs.OUTPUTS:
+        if output.answers(result):
+            yield from output.pictures(result)
 
 
 def _pictures_around(result: SealSolution) -> tuple[Picture | None, ...]:
@@ -233,13 +244,13 @@ def _pictures_of_simulation(result: SealSolution) -> tuple[Picture, ...]:
         return ()
     from fem_seal.output.pictures.direct import simulation_pictures
 
-    return simulation_pictures(flow.direct.table(surface), result.highest.peak_pressure)
+    return simulation_pictures(result.display, flow.direct.table(surface), result.highest.peak_pressure)
 
 
 def _texts_of_case(result: SealSolution) -> dict[str, Any]:
     """Texts of the groups of the case that the result does not contain in this form."""
     case, problem = result.case, result.problem
-    drawn = {name: case_words.section(case, name) for name in case_words.BODIES}
+    sections = {name: case_words.section(case, name) for name in case_words.BODIES}
     heating = problem.at_rest.heating
     field = (
         None if heating is None or result.of_profile else heating.field(result.seal_mesh, problem.materials)
@@ -251,12 +262,15 @@ def _texts_of_case(result: SealSolution) -> dict[str, Any]:
         at_peak = float(problem.law.decay_length(np.array([math.log(peak)]))[0])
     points = in_order(case.load.points, result.missing_loads, lambda load: load.point)
     return {
-        "drawn_sections": {name: case_words.section_text(one) if one else {} for name, one in drawn.items()},
+        "drawn_sections": {
+            name: case_words.section_text(result.display, section) if section else {}
+            for name, section in sections.items()
+        },
         "dimensions": {name: case_words.listed_dimensions(case, name) for name in case_words.BODIES},
         # for bodies that yield the order of the loads matters
         "points_in_order": points if curves(case) else sorted(points),
-        "former_load_rows": case_words.former_load_rows(case.load),
-        "gas_state": volume_of(case).state,
+        "former_load_rows": case_words.former_load_rows(result.display, case.load),
+        "gas_state": case.display.state_of(volume_of(case)),
         "temperature_rows": list(case_words.temperature_rows(case, problem, field)),
         "finish_rows": case_words.finish_rows(case),
         "decay_length": decay_length,
@@ -270,9 +284,9 @@ def _texts_of_case(result: SealSolution) -> dict[str, Any]:
 def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
     """What stands on the short page, and at the top of the full one."""
     in_brief, left_out = brief.loads_in_brief(result.case, result.every_load)
-    pages = shown_answers.pages_of(result)
-    more = phrase("brief.table", "more", left_out=left_out) if left_out else ""
-    allowed = verdict.allowed_in_words(result.loads)
+    pages = answer_outputs.pages_of(result)
+    more = say(result.display, "brief", "table_more", left_out=left_out) if left_out else ""
+    allowed = verdict.allowed_in_words(result.display, result.loads)
     lines = brief.lines_in_brief(result, pages)
     decides = [line for page in pages for line in page.decides]
     tiles = sorted((tile for page in pages for tile in page.tiles), key=lambda tile: tile.rank)
@@ -292,7 +306,7 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
         "sections": [page.section for page in pages if page.section] if full else (),
         "warnings": list(brief.remarks_in_brief(result).items()),
         "given": brief.given_in_words(result),
-        "definitions": definitions if full else [one for one in definitions if one["sign"] in seen],
+        "definitions": definitions if full else [term for term in definitions if term["sign"] in seen],
     }
 
 
@@ -319,9 +333,10 @@ def far_field_sentence(result: SealSolution) -> str:
     if not result.far_field:
         return ""
     changes = "; ".join(
-        phrase(
-            "notes.far_field",
-            "peak" if change.leak_rate is None else "both",
+        say(
+            result.display,
+            "notes",
+            f"far_field_{'peak' if change.leak_rate is None else 'both'}",
             change=change.name,
             peak=_change_in_words(change.peak_pressure),
             leak_rate="" if change.leak_rate is None else _change_in_words(change.leak_rate),
@@ -330,7 +345,7 @@ def far_field_sentence(result: SealSolution) -> str:
     )
     which = "one" if len(result.loads) == 1 else "strongest"
     load = load_name(result.strongest, result.loads)
-    return phrase("notes.far_field", which, load=load, changes=changes)
+    return say(result.display, "notes", f"far_field_{which}", load=load, changes=changes)
 
 
 def _change_in_words(change: float) -> str:
@@ -349,7 +364,7 @@ def load_table(result: SealSolution) -> ReadableTable:
     columns = [column for column in filled_columns(result.case, names, loads) if column.some]
     for name in _SPARED:
         if len(columns) > _WIDEST:
-            columns = [one for one in columns if one.column.name != name]
+            columns = [column for column in columns if column.column.name != name]
     table = columns_table(columns)
     # a mark instead of a column: the page is full
     rows = (
@@ -381,11 +396,11 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
 def comparison_note(result: SealSolution) -> str:
     """Explanation of the differences from the closed forms; empty if none is needed."""
     if result.unloaded_bodies is not None:
-        return phrase("notes.comparison", "yielding")
+        return say(result.display, "notes", "comparison_yielding")
     if limits := closed_form_limits(result.case, derive_beside(result)):
-        text = write(limits, result.case.display)
+        text = write(limits, result.display)
         return f"{text[0].upper()}{text[1:]}."
-    return phrase("notes.comparison", law_word(result.case))
+    return say(result.display, "notes", f"comparison_{law_word(result.case)}")
 
 
 def _difference(share: float, load: CaseLoad, measure: str) -> str:
@@ -416,19 +431,21 @@ def yielding_table(result: SealSolution) -> ReadableTable:
             zone, digits = zones[body], load.digits_of("fwhm")
             if isinstance(zone, PlasticZone):
                 depth = (
-                    f"{quantity_worth('length', zone.depth, digits)} depth" if zone.depth else "the surface"
+                    f"{result.display.quantity(zone.depth, f'worth length {digits}')} depth"
+                    if zone.depth
+                    else "the surface"
                 )
                 row |= {"strain": strain_text(zone.strain), "largest": depth, "deepest": zone.deepest}
             rows.append({"strain": "none", "largest": "–", "deepest": None, "digits": digits} | row)
-    return worded_table("yielding", rows)
+    return worded_table(result.display, "yielding", rows)
 
 
-def curve_in_words(curve: HardeningCurve) -> str:
+def curve_in_words(display: Display, curve: HardeningCurve) -> str:
     """A hardening curve in a few words."""
     # four digits: an interpolated curve has no given digits
     first, last = (
-        format_quantity("contact pressure", float(f"{one:.4g}"))
-        for one in (curve.stress[0], curve.stress[-1])
+        display.quantity(float(f"{stress:.4g}"), "given contact pressure")
+        for stress in (curve.stress[0], curve.stress[-1])
     )
     if len(curve.stress) == 1:
         return f"{first}, perfectly plastic"
@@ -448,22 +465,22 @@ def marks_of(loads: Sequence[CaseLoad]) -> list[str]:
     ----------
     loads : sequence of CaseLoad
     """
-    found = []
+    marks = []
     for level in Level:
         marked = [load.validity for load in loads if load.validity.level is level and level.mark]
         if marked:
-            whole = any(one.of_contact.level is level for one in marked)
-            found.append(f"{level.mark} {level}" if whole else f"{level.mark} leak rate {level}")
-    return found
+            whole = any(load.of_contact.level is level for load in marked)
+            marks.append(f"{level.mark} {level}" if whole else f"{level.mark} leak rate {level}")
+    return marks
 
 
 def validity_table(result: SealSolution) -> ReadableTable:
     """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
     rows: list[dict[str, object]] = [
-        {"load": load_name(load, loads), "level": one.level, "reason": one.reason(result.case.display)}
+        {"load": load_name(load, loads), "level": doubt.level, "reason": doubt.reason(result.display)}
         for load in loads
-        for one in load.validity.doubts
+        for doubt in load.validity.doubts
     ]
     rows += [
         {
@@ -473,4 +490,4 @@ def validity_table(result: SealSolution) -> ReadableTable:
         }
         for load in result.missing_loads
     ]
-    return worded_table("validity", rows)
+    return worded_table(result.display, "validity", rows)

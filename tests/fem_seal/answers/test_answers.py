@@ -11,10 +11,10 @@ from sample_results import case, run_loads, smooth_case
 
 from fem_seal.answers import chain
 from fem_seal.answers.answer import Answer
-from fem_seal.output import shown_answers
+from fem_seal.output import answer_outputs
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Section
 from fem_seal.output.columns import ReadableTable
 from fem_seal.output.pictures.style import Picture, panels, svg
-from fem_seal.output.shown import AnswerPage, Section, Shown
 from fem_seal.units import percent
 
 # ---------------------------------------------------------------- as in fem_seal/answers/
@@ -76,7 +76,7 @@ def _section(result):
     )
 
 
-SHOWN = Shown(
+OUTPUT = AnswerOutput(
     lambda result: result.answers.get("indentation"),
     summary=lambda result: {"indentation": _rows(result)},
     tables={"indentation.csv": lambda result: (("fluid_pressure_Pa", "share_of_hardness"), _rows(result))},
@@ -91,7 +91,7 @@ SHOWN = Shown(
 @pytest.fixture
 def _added(monkeypatch):
     monkeypatch.setattr(chain, "ANSWERS", (*chain.ANSWERS, INDENTATION))
-    monkeypatch.setattr(shown_answers, "SHOWN", (*shown_answers.SHOWN, SHOWN))
+    monkeypatch.setattr(answer_outputs, "OUTPUTS", (*answer_outputs.OUTPUTS, OUTPUT))
 
 
 @pytest.mark.usefixtures("_added", "unrendered")

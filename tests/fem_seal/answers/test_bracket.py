@@ -30,7 +30,7 @@ from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
-from fem_seal.units import leak_range_text
+from fem_seal.units import Display, leak_range_text
 from leak import LeakResult, Reading, leakage_class, leakage_limits
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
@@ -206,7 +206,7 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
         assert (row[LOW], row[HIGH]) == pytest.approx((row[CONSERVED] / off, row[CAPPED] * off), rel=1e-12)
         assert row[LOW] <= row[DEFAULT] <= row[HIGH] <= row[ELASTIC]
     assert table[HIGH].tolist() == [row[HIGH] for row in rows]
-    show_leak_table(rows, "", result.loads)
+    show_leak_table(result.case.display, rows, "", result.loads)
     show_leakage(result.case, result.loads)
     terminal = " ".join(capsys.readouterr().out.split())
     for row in rows:
@@ -381,7 +381,7 @@ def test_ends_that_are_one_number_in_the_first_unit_are_one_in_all(low, over, fl
         few = Validity.of([remark("few", Level.DOUBTFUL, "few", Bounds.factor_bounds(1 + error))])
         ends = [leaks.scaled(one * 1e-6 / 60) for one in (low, over * low)]
         load = with_capped(solved.with_values(leak=ends[0], validity=few), ends[1])
-        first, *others = leakage_text(load).split(" = ")
+        first, *others = leakage_text(Display(), load).split(" = ")
         assert " to " in first or not any(" to " in one for one in others)
 
 

@@ -39,7 +39,7 @@ from fem_seal.output.pictures.style import style
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.findings import Bounds
 from fem_seal.studies.responses import evaluate_design
-from fem_seal.units import leak_range_text
+from fem_seal.units import Display, leak_range_text
 from leak import error_correlation
 
 HEADER = "fluid_pressure [bar], leak_rate [ml/min], uncertainty [%], below\n"
@@ -490,9 +490,9 @@ def test_lines_and_table_say_how_the_seat_differs(after):
     units = pd.read_csv(folder / "inputs.csv", index_col="input").unit
     assert units.to_dict() == {"hardness": "factor", "rms_height": "factor", "theory": "factor"}
     # of a finish values have units, and waves are told by their length
-    row = _input_row(LearnedInput("q_rolloff", (1e5, 3e5, 6e5), (2e5, 3e5, 4e5), "1/m"))
+    row = _input_row(Display(), LearnedInput("q_rolloff", (1e5, 3e5, 6e5), (2e5, 3e5, 4e5), "1/m"))
     assert row == ["roll-off [µm]", "10.5", "20.9", "62.8", "15.7", "20.9", "31.4", "61 %"]
-    assert _input_row(LearnedInput("Ra", (2e-7, 3e-7, 4e-7), (2e-7, 3e-7, 4e-7), "m"))[:3] == [
+    assert _input_row(Display(), LearnedInput("Ra", (2e-7, 3e-7, 4e-7), (2e-7, 3e-7, 4e-7), "m"))[:3] == [
         "Ra in its range [µm]",
         "0.200",
         "0.300",
@@ -514,7 +514,7 @@ def test_each_other_theory_and_history_is_told_against_that_of_the_case(after):
 def test_the_picture_has_bands_through_the_readings_and_an_arrow_at_a_limit(after, monkeypatch):
     found, _, _ = after
     drawn = {}
-    monkeypatch.setattr(module, "captioned", lambda figure, *_: drawn.update(axes=figure.axes[0]))
+    monkeypatch.setattr(module, "captioned", lambda display, figure, *_: drawn.update(axes=figure.axes[0]))
     with style():
         module.calibration_picture(found)
     before, posterior = (one.get_paths()[0].vertices for one in drawn["axes"].collections[:2])

@@ -101,7 +101,7 @@ def test_the_sentence_and_the_summary_have_them(tmp_path):
     measured = measurement_in_brief(result(), 0)
     assert "a leak rate measured to 10 % at 20 bar (to a factor of 1.4 from " in measured
     close = run_loads(case(load={"fluid_pressure": "20 bar"}, roughness=FEW, leak=CORRECTED))
-    assert "long waves" in shares_in_brief(close, 0)
+    assert "waves longer than the contact" in shares_in_brief(close, 0)
     assert shares_in_brief(result(*SPREADS, theory="paper"), 0) == ""
     summary = json.loads(write_summary(result(), tmp_path / "summary.json").read_text(encoding="utf-8"))
     (entry,) = summary["error_shares"]

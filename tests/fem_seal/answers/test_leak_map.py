@@ -21,6 +21,7 @@ from fem_seal.cli import app as cli
 from fem_seal.cli.table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
 from fem_seal.seal.findings import Bounds, remark
+from fem_seal.units import Display
 from leak.flow.leak_result import leakage_area_of_gas, leakage_area_of_liquid
 from leak.fluids.library import HEAT_CAPACITIES, heat_capacity_ratio
 
@@ -351,5 +352,5 @@ def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
         is_gas=False,
         title="seal",
     )
-    cli_table._show(found)
+    cli_table._show(Display(), found)
     assert {"1.23", "0.1?"} <= set(capsys.readouterr().out.split())

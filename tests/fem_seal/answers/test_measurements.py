@@ -15,7 +15,7 @@ from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.measurements import EVEN_WEIGHTS, Draws, accuracies, instruments
 from fem_seal.answers.samples import UncertainScans
 from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
-from fem_seal.output.shown import prose
+from fem_seal.output.answer_output import prose
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.findings import Bounds
 from leak import Reading

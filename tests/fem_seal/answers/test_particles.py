@@ -18,7 +18,7 @@ import leak
 from fem_seal import InputError
 from fem_seal.answers.particles import KEPT_SHARE, particle_answers
 from fem_seal.cli.app import main
-from fem_seal.output.answers.particles import SHOWN, particle_table
+from fem_seal.output.answers.particles import OUTPUT, particle_table
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Level, Validity, remark
@@ -38,7 +38,7 @@ def result() -> SealResult:
 
 def details_of(found: SealResult) -> list[str]:
     """What the terminal says of the particles."""
-    return list(SHOWN.page_of(found, found.case.display).details)
+    return list(OUTPUT.page_of(found, found.case.display).details)
 
 
 # ---------------------------------------------------------------- the table

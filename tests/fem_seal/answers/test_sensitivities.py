@@ -24,6 +24,7 @@ from fem_seal.output.answers.sensitivities import (
 )
 from fem_seal.output.files import summary
 from fem_seal.output.report.brief import second_line
+from fem_seal.units import Display
 from leak import Reading
 
 LOAD = {"fluid_pressure": "20 bar"}
@@ -135,7 +136,7 @@ def test_nothing_below_three_per_cent_is_shown():
 )
 def test_effects_are_told_as_the_field_says_them(ratio, words):
     _, known = found()
-    assert effect_in_words(replace(known["force"], ratio=ratio)) == words
+    assert effect_in_words(Display(), replace(known["force"], ratio=ratio)) == words
 
 
 def test_a_change_that_fails_elsewhere_is_not_among_the_strongest():
@@ -143,8 +144,10 @@ def test_a_change_that_fails_elsewhere_is_not_among_the_strongest():
     force = Sensitivity("force", 10.0, 11.0, 1.1, (0.8, 0.8), (math.nan, math.nan), helps=True)
     assert strongest([halved, force]) == [force]
     assert shown_sensitivities([halved, force]) == [halved, force]
-    assert effect_in_words(halved).startswith(effect_in_words(replace(halved, helps=None)))
-    assert effect_in_words(halved) != effect_in_words(replace(halved, helps=None))
+    assert effect_in_words(Display(), halved).startswith(
+        effect_in_words(Display(), replace(halved, helps=None))
+    )
+    assert effect_in_words(Display(), halved) != effect_in_words(Display(), replace(halved, helps=None))
 
 
 def test_another_material_stands_beside_the_case_s_own():
@@ -316,7 +319,7 @@ def test_a_step_that_seals_is_no_exponent():
     result, known = found()
     sealing = replace(known["rms_height"], ratio=(0.0, 0.0), exponents=(math.nan, math.nan))
     assert sealing.strength == math.inf and not sealing.straight
-    assert effect_in_words(sealing) == "closes the leak"
+    assert effect_in_words(result.case.display, sealing) == "closes the leak"
     contradicting = replace(known["hardness"], ratio=(0.8, 1.3))
     assert contradicting.strength == 0.0
     assert replace(known["force"], ratio=(0.5, 0.5)).straight is False

@@ -22,6 +22,7 @@ from fem_seal.output.answers.verdict import (
     verdict_force_sentences,
 )
 from fem_seal.output.files import summary
+from fem_seal.units import Display
 from leak import Reading
 
 DRAWN = {"Ra": "0.4 um", "process": "lapped"}
@@ -85,13 +86,13 @@ def test_what_a_drawing_leaves_open_is_in_the_force():
         under = verdict_under(of, share * found.force_for_verdict, limit)
         assert under.verdict == verdict
         assert under.loads[0].sample_ends is not None
-    told = f"from an applied force of {force_to_pass(found.force_for_verdict)} on"
+    told = f"from an applied force of {force_to_pass(result.case.display, found.force_for_verdict)} on"
     (line,) = [one for one in basis_lines(result) if "lets the verdict" in one or "verdict passes" in one]
     assert told in line
     assert json.loads(json.dumps(summary(result)["verdict_force"]))[0]["force"] == found.force_for_verdict
     assert summary(result)["loads"][0]["force_for_verdict_N"] == found.force_for_verdict
     (tile,) = [one for one in tiles(result) if one.name == FORCE_TO_PASS]
-    assert tile.value == force_to_pass(found.force_for_verdict)
+    assert tile.value == force_to_pass(result.case.display, found.force_for_verdict)
 
 
 @pytest.mark.slow
@@ -103,7 +104,7 @@ def test_where_the_seat_yields_before_the_verdict_passes_it_says_so():
     assert "beyond it all loads are outside the theory (seat: von Mises stress" in str(
         found.verdict_force.why_none
     )
-    (told,) = verdict_force_sentences([found])
+    (told,) = verdict_force_sentences(Display(), [found])
     assert told.startswith("At 20 bar no force lets the verdict pass: up to an applied force of ")
 
 
@@ -144,7 +145,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     monkeypatch.setattr("fem_seal.answers.verdict.forces_for_verdict", search)
     plain = run_loads(of)
     assert all(not one.verdict_force.looked_for and one.force_for_verdict is None for one in plain.loads)
-    (said,) = verdict_force_sentences(plain.loads)
+    (said,) = verdict_force_sentences(Display(), plain.loads)
     assert said.startswith(
         "The force with which the verdict passes was not calculated: where a body yields, "
     )
@@ -158,7 +159,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
         asked = fem_seal.run(of, progress, sensitivities=False, verdict_force=True)
     # a run of the search tells what it does, and who is told may leave it
     assert told[told.index("trying") + 1] == "meshing closure and seat"
-    for one in verdict_force_sentences(asked.loads):
+    for one in verdict_force_sentences(Display(), asked.loads):
         assert "the verdict passes on a new seal from an applied force of 1000 N on" in one
 
 
@@ -175,14 +176,14 @@ def test_each_force_that_is_tried_is_told():
     tried = [one for one in told if one.startswith("force with which the verdict passes at 20 bar: trying ")]
     assert any("trying a contact force of " in one for one in tried)
     assert any("trying the whole run with " in one for one in tried)
-    (said,) = verdict_force_sentences([found])
+    (said,) = verdict_force_sentences(Display(), [found])
     assert " after the largest earlier load" in said
 
 
 def test_nobody_who_does_not_ask_pays():
     (load,) = run_loads(case(load={"fluid_pressure": "2 bar"})).loads
     assert load.verdict_force is None and load.force_for_verdict is None
-    assert verdict_force_sentences([load]) == []
+    assert verdict_force_sentences(Display(), [load]) == []
 
 
 def test_the_force_is_read_as_one_that_passes():
@@ -190,7 +191,7 @@ def test_the_force_is_read_as_one_that_passes():
     for force in (75148.8, 1000.0, 999.2, 0.01234):
         told = load.with_values(verdict_force=VerdictForce(force))
         assert told.force_for_verdict == force
-        number, unit = force_to_pass(force).split()
+        number, unit = force_to_pass(Display(), force).split()
         read = float(number) * {"kN": 1e3, "N": 1.0, "mN": 1e-3}[unit]
         assert force * (1 - 1e-9) <= read <= 1.011 * force
     assert replace(VerdictForce(None), why_none="x").force is None

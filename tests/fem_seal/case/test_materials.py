@@ -28,7 +28,7 @@ from fem_seal.cli import app as cli
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.seal.findings import Level
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import parse_quantity
+from fem_seal.units import Display, parse_quantity
 from fem_seal.validity.materials import material_cautions
 from leak import FLUIDS, GASES
 
@@ -444,7 +444,7 @@ def test_a_polymer_is_doubtful_in_run_and_report_and_a_metal_is_not():
     assert any("seat: PEEK creeps" in warning for warning in result.warnings)
     from fem_seal.wording import template
 
-    rows = template("report/case.html.j2").module.material_rows
+    rows = template(Display(), "report/case.html.j2").module.material_rows
     assert '<th scope="row">creep</th><td>creeps' in rows(result.case.seat.material)
     assert '<th scope="row">creep</th>' not in rows(LIBRARY["316L"])
 
@@ -478,7 +478,7 @@ def test_the_task_of_the_cryogenic_valve_warns_of_creep(call, tmp_path):
 
 
 def test_tables_of_numbers_fit_eighty_columns():
-    for headings, cells in (material_cells(material_rows()), fluid_cells(fluid_rows())):
+    for headings, cells in (material_cells(Display(), material_rows()), fluid_cells(Display(), fluid_rows())):
         columns = zip(headings, *cells, strict=True)
         widths = [max(len(line) for cell in column for line in cell.split("\n")) for column in columns]
         # a blank and a line's place beside each column, one at the left edge

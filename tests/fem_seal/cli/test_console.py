@@ -20,6 +20,7 @@ from fem_seal.seal import findings as caution
 from fem_seal.seal.findings import Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError, LoadResult
 from fem_seal.studies.progress import Lines
+from fem_seal.units import Display
 from leak import LeakResult
 
 
@@ -55,7 +56,7 @@ def shown(capsys, monkeypatch, rows, width=None):
     monkeypatch.setattr(sys.stdout, "isatty", lambda: width is not None)
     if width is not None:
         monkeypatch.setenv("COLUMNS", str(width))
-    show_leak_table(rows, "Title", [load()] * len(rows))
+    show_leak_table(Display(), rows, "Title", [load()] * len(rows))
     return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
 
 
@@ -67,8 +68,8 @@ def four_digits(row, column):
     """A number with its zeros, so that columns stay aligned; one that is worth less has fewer digits."""
     digits = output_columns.COLUMNS[column.name].most_digits
     if digits < 4:
-        return _cell(row[column.name], column.unit, digits)
-    return f"{column.unit.of(row[column.name]):#.4g}".removesuffix(".")
+        return _cell(row[column.name], column.unit_in(Display()), digits)
+    return f"{column.unit_in(Display()).of(row[column.name]):#.4g}".removesuffix(".")
 
 
 def cells(text):
@@ -110,6 +111,7 @@ def test_no_number_has_more_digits_than_the_mesh_leaves(capsys):
     """An error of four per cent leaves three digits of a pressure; what the mesh does not touch keeps its four."""
     error = DiscretisationError(peak_pressure=0.04, fwhm=0.2, std=0.004, leak_rate=None)
     show_leak_table(
+        Display(),
         [{**ROWS[0], "peak_pressure_Pa": 51.389e6, "fwhm_m": 0.12344e-3, "std_m": 0.56784e-3}],
         "",
         [load(error)],

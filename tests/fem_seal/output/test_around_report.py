@@ -17,7 +17,7 @@ import fem_seal
 from fem_seal.answers.form import AllowedForm, _limit
 from fem_seal.contact.newton import solve
 from fem_seal.output.answers.form import (
-    SHOWN,
+    OUTPUT,
     least_loaded,
     tolerance,
     turn_that_leaks,
@@ -35,7 +35,7 @@ MAKERS = (drawn.unrolled_picture, drawn.line_load_picture, drawn.leak_around_pic
 
 def page_of(result):
     """What the answer about the form error says."""
-    return SHOWN.page_of(result, Display())
+    return OUTPUT.page_of(result, Display())
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def test_a_round_seal_has_none_of_it():
     result = single_result()
     with style():
         assert [make(result) for make in MAKERS] == [None, None, None]
-    assert not SHOWN.asked(result)
+    assert not OUTPUT.answers(result)
     page = report(result, full=True)
     assert 'id="around"' not in page and "around.csv" not in page
 

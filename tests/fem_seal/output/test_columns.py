@@ -19,7 +19,7 @@ from fem_seal.output.report.page import load_table
 from fem_seal.output.tables import leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load
 from fem_seal.studies.study import Study
-from fem_seal.units import kind_of, parse_quantity, split_unit, unit_for
+from fem_seal.units import Display, kind_of, parse_quantity, split_unit, unit_for
 
 SI = {
     "length": "m",
@@ -56,7 +56,7 @@ def test_the_terminal_shows_all_that_have_a_heading_there():
 @pytest.mark.parametrize("shown", [*LEAK_ON_TERMINAL, *CHECK_ON_TERMINAL], ids=lambda shown: shown.name)
 def test_the_terminal_shows_each_column_in_a_unit_of_its_kind(shown):
     assert shown.heading
-    kind, unit = split_unit(shown.name)[1], shown.unit
+    kind, unit = split_unit(shown.name)[1], shown.unit_in(Display())
     # one of the unit, read as a case file would write it, and its size
     known = {"m": "length", "Pa": "pressure", "N": "force", "m^3/s": "leak rate"}
     if kind in known:

@@ -20,6 +20,7 @@ from sample_results import case, rough_result, tiles_of, with_capped
 from fem_seal.answers.closed_forms import derive
 from fem_seal.cli import app as cli
 from fem_seal.explore.screen import leak_words, shown_load
+from fem_seal.output.answer_outputs import pages_of
 from fem_seal.output.answers.contact import _width_reason
 from fem_seal.output.answers.leak import leakage_lines
 from fem_seal.output.answers.variants import variant_table
@@ -27,11 +28,18 @@ from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.brief import first_line
 from fem_seal.output.report.page import comparison_table
-from fem_seal.output.shown_answers import pages_of
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import LIQUID, digits_at_limit, digits_within, format_digits, quantity_worth, round_digits
+from fem_seal.units import (
+    LIQUID,
+    Display,
+    digits_at_limit,
+    digits_within,
+    format_digits,
+    quantity_worth,
+    round_digits,
+)
 from fem_seal.validity.checks import contact_cautions
 
 ERRORS = st.floats(1e-6, 2.0)
@@ -113,7 +121,9 @@ def test_what_is_looked_for_is_found():
     peak, width = result.highest.contact.profile.peak_pressure, result.highest.contact.profile.fwhm
     told = all_words(result)
     assert quantity_worth("contact pressure", peak, 2) in told and quantity_worth("length", width, 2) in told
-    assert in_words(result.highest, "peak_pressure_Pa") == quantity_worth("contact pressure", peak, 2)
+    assert in_words(Display(), result.highest, "peak_pressure_Pa") == Display().quantity(
+        peak, "worth contact pressure 2"
+    )
 
 
 def test_a_difference_from_a_closed_form_has_no_more_decimals_than_the_mesh_leaves():

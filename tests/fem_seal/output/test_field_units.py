@@ -12,7 +12,6 @@ from sample_results import case
 from fem_seal.case.fields import Bubbles, LeakRate, NormalVolume, Throughput
 from fem_seal.case.notation import as_differences
 from fem_seal.errors import InputError
-from fem_seal.units import leak_range_text, shown_in, unit_for
 
 RATE = LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")
 
@@ -227,12 +226,11 @@ def test_leak_rates_have_the_unit_of_their_limit(text, fluid, name):
     bubble = {"bubble_volume": "0.15 ml"} if "bubble" in text else {}
     given = case(fluid={"name": fluid}, requirement={"leak_rate": text, **bubble})
     count = float(text.split()[0]) / (60.0 if "bubbles" in text else 1.0)
-    with shown_in(given.display):
-        limit = given.requirement.leak_rate
-        assert leak_range_text(limit, 5).split(maxsplit=1) == [leak_range_text(limit, 5).split()[0], name]
-        assert unit_for("flow", 1.0).of(limit) == pytest.approx(count, rel=1e-11)
-        wide = leak_range_text((1e-7 * limit, 1e7 * limit))
-        assert wide.count(name) == 1 and wide.endswith(name)
+    display, limit = given.display, given.requirement.leak_rate
+    assert display.leak_range(limit, 5).split(maxsplit=1) == [display.leak_range(limit, 5).split()[0], name]
+    assert display.unit_for("flow", 1.0).of(limit) == pytest.approx(count, rel=1e-11)
+    wide = display.leak_range((1e-7 * limit, 1e7 * limit))
+    assert wide.count(name) == 1 and wide.endswith(name)
 
 
 def test_a_normal_volume_and_a_system_of_units_keep_their_own():

@@ -30,6 +30,8 @@ from sample_results import (
 import fem_seal
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import derive
+from fem_seal.output.answer_output import Tile
+from fem_seal.output.answer_outputs import OUTPUTS
 from fem_seal.output.answers.leak import uncertain_in_words
 from fem_seal.output.answers.target import target_in_brief
 from fem_seal.output.files import summary
@@ -37,8 +39,6 @@ from fem_seal.output.pictures.style import label, logarithmic, number_dots, pane
 from fem_seal.output.pictures.style import svg as written_svg
 from fem_seal.output.report.brief import _curve, first_line, loads_in_brief
 from fem_seal.output.report.page import load_table, pictures, report
-from fem_seal.output.shown import Tile
-from fem_seal.output.shown_answers import SHOWN
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Level, Validity, remark
 from fem_seal.units import Display, leak_range_text, unit_for
@@ -341,7 +341,7 @@ def leakless(result):
 
 def tiles_of(result: SealResult) -> list[Tile]:
     """Tiles of contact and leak rate."""
-    pages = [one.page_of(result, result.case.display) for one in SHOWN]
+    pages = [one.page_of(result, result.case.display) for one in OUTPUTS]
     return [tile for page in pages for tile in page.tiles]
 
 
@@ -525,7 +525,7 @@ def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
     """212 N/mm over three times 200 MPa are 0.35 mm: far for an edge of 0.2 mm, little for one of 2 mm."""
     load = Mock(line_load=212e3, sample_ends=None)
     load.validity = Validity((remark("yield stress", Level.OUTSIDE, "seat yields"),))
-    result = Mock(case=Mock(gasket=None))
+    result = Mock(case=Mock(gasket=None, display=Display()))
     result.problem.materials = {"closure": Mock(yield_stress=None), "seat": Mock(yield_stress=200e6)}
     load.contact.model.relative_radius = 0.2e-3
     assert "0.35 mm wide" in _curve(result, load) and "howto/needle" in _curve(result, load)

@@ -22,9 +22,9 @@ from fem_seal.cli.app import main
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_bytes
 from fem_seal.output import files, folders, stored
+from fem_seal.output.answer_outputs import OUTPUTS
 from fem_seal.output.folders import FILE as LOCK
 from fem_seal.output.folders import UNFINISHED, folder_lock, replaced_together, unfinished
-from fem_seal.output.shown_answers import SHOWN
 
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 
@@ -63,7 +63,7 @@ def test_the_second_run_leaves_nothing_of_the_first(two_runs):
 def test_every_file_that_a_run_writes_is_known_as_one(two_runs):
     """Or it would be left behind by a later run without it."""
     written = contents(two_runs[0]).keys() - {"notes.txt", "contact_0.vtu"}
-    written -= {name for one in SHOWN for name in one.tables}
+    written -= {name for one in OUTPUTS for name in one.tables}
     assert all(folders._OF_A_RUN.fullmatch(name) for name in written)
 
 

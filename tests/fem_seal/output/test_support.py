@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from sample_results import case, run_loads, smooth_result
 
+from fem_seal.output.answer_outputs import pages_of
 from fem_seal.output.answers.variants import beside_in_brief, supported_by
 from fem_seal.output.report.brief import lines_in_brief
-from fem_seal.output.shown_answers import pages_of
 
 
 def test_the_papers_theory_gives_one_number_and_the_default_beside_it():

@@ -11,15 +11,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from sample_results import case, rough_result, single_result, smooth_result
 
 import fem_seal
 from fem_seal.answers.judgement import VerdictReason
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
+from fem_seal.output.answer_output import prose
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.files import summary, write_summary
-from fem_seal.output.shown import prose
+from fem_seal.output.pictures.style import captioned
 from fem_seal.output.sources import features_used
 from fem_seal.output.tables import (
     PROFILE_COLUMNS,
@@ -28,8 +30,7 @@ from fem_seal.output.tables import (
     write_leak_csv,
     write_profile_csv,
 )
-from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trim_zeros
-from fem_seal.wording import phrase
+from fem_seal.units import Display, format_quantity, number, percent, quantity, trim_zeros
 
 # of a case by the paper's theory with a hardness and a liquid
 LEAK_HEADER = (
@@ -78,7 +79,7 @@ def test_leak_table_is_consistent_with_statics_and_geometry():
 
 
 def test_without_plasticity_both_leak_columns_agree():
-    table = leak_table(single_result(), every=True)
+    table = leak_table(single_result(), all_columns=True)
     assert table["leak_rate_m3_per_s"].item() == table["leak_rate_elastic_m3_per_s"].item() > 0
 
 
@@ -91,7 +92,7 @@ def test_a_smooth_seal_has_the_columns_of_its_contact_and_empty_cells(tmp_path):
         "contact_radius_m,max_von_mises_Pa,validity,validity_reasons"
     )
     assert table.drop(columns="validity_reasons").notna().all().all()
-    path = write_leak_csv(smooth_result(), tmp_path / "leak.csv", every=True)
+    path = write_leak_csv(smooth_result(), tmp_path / "leak.csv", all_columns=True)
     assert "nan" not in path.read_text()
     table = pd.read_csv(path)
     assert [*table] == [*COLUMNS] and table["leak_rate_m3_per_s"].isna().all()
@@ -220,7 +221,7 @@ def test_numbers_for_readers():
     assert number(1.234e-9) == "1.23·10⁻⁹"
     assert number(-0.5) == "−0.500"
     assert percent(0.0388) == "3.9 %"
-    assert leak_rate_text(0.0) == "none, sealed"
+    assert Display().leak_rate(0.0) == "none, sealed"
     # a target as it was written, rather than a billionth of a picolitre
     assert format_quantity("flow", 1e-29) == "1·10⁻²⁹ m³/s"
 
@@ -251,11 +252,11 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     package = Path(fem_seal.__file__).parent
     rooms = ("output", "cli", "studies")
     code = "\n".join(path.read_text("utf-8") for room in rooms for path in (package / room).rglob("*.py"))
-    asked = set(re.findall(r'phrase\(\s*"([^"]+)"', code))
-    asked |= {f"captions.{name}" for name in re.findall(r'captioned\(\s*figure,\s*"([^"]+)"', code)}
+    called = set(re.findall(r'say(?:_all)?\(\s*[\w.]+(?:\(\))?,\s*"(\w+)",\s*f?"([^"]+)"', code))
+    captions = set(re.findall(r'captioned\(\s*[\w.]+,\s*figure,\s*"([^"]+)"', code))
     # whose captions stand under another name
-    asked -= {"captions.profiles", "captions.direct_map"}
-    asked |= {f"captions.{name}" for name in re.findall(r'group="([^"]+)"', code) if name}
+    captions = captions - {"profiles", "direct_map"} | set(re.findall(r'group="([^"]+)"', code))
+    called |= {("captions", f"{name}_{{part}}") for name in captions}
     # chosen by the interface law of the case, by the order of its loads and by the reading
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved", "reading"}
     elsewhere |= {
@@ -268,35 +269,36 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     changed = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
     elsewhere |= {f"{key}_{way}" for key in changed for way in ("less", "more")}
     elsewhere = {re.sub(r"\W", "_", part) for part in elsewhere}
-    called = re.findall(r'say(?:_all)?\([^"]*"\w+",\s*f"([^"]+)"', code)
-    made = re.compile("|".join(re.sub(r"{[^}]*}", r"\\w+", name) for name in called) or "-")
     used = set()
     for file in {*(package / "templates/answers").glob("*.j2")} - {package / "templates/answers/citation.j2"}:
         words = file.read_text("utf-8")
         for macro in re.findall(r"{% macro (\w+)\(", words):
-            # by name, by a macro beside it, or by a name that is put together
-            if f'"{macro}"' in code or len(re.findall(rf"\b{macro}\(", words)) > 1 or made.fullmatch(macro):
-                continue
-            ends = [end.start() for end in re.finditer("_", macro)]
-            found = {(f"{file.stem}.{macro[:end]}", macro[end + 1 :]) for end in ends}
-            found = {(name, part) for name, part in found if name in asked}
-            assert found, f"{file.name}: {macro}"
-            assert any(
-                part in elsewhere or re.search(rf'"{part.replace("_", ".")}"', code) for _, part in found
-            )
-            used |= {name for name, _ in found}
-    assert asked == used
+            # by name, by a name that is put together, or by a macro beside it
+            found = {
+                (name, macro[len(name.partition("{")[0]) :])
+                for kind, name in called
+                if kind == file.stem
+                and (name == macro or ("{" in name and macro.startswith(name.partition("{")[0])))
+            }
+            by_macro = len(re.findall(rf"\b{macro}\(", words)) > 1
+            assert found or by_macro or f'"{macro}"' in code, f"{file.name}: {macro}"
+            assert not found or any(
+                not part or part in elsewhere or re.search(rf"['\"]{part.replace('_', '.')}['\"]", code)
+                for _, part in found
+            ), f"{file.name}: {macro}"
+            used |= {(file.stem, name) for name, _ in found}
+    assert called == used
     for kind, function in (
         ("tables", "worded_table"),
         ("rows", "worded_rows"),
         ("sections", "worded_section"),
     ):
-        assert set(re.findall(rf'{function}\(\s*"([^"]+)"', code)) == set(prose()[kind])
+        assert set(re.findall(rf'{function}\(\s*[\w.]+,\s*"([^"]+)"', code)) == set(prose()[kind])
 
 
 def test_sentences_stand_one_after_the_other_with_their_values():
-    text = phrase("captions.scan", "several", "", "spectrum", count=3, form="tilt")
-    assert text.startswith("Left: the first of 3 scans without its tilt. Right: ")
+    picture = captioned(Display(), Figure(), "scan", "several", "", "spectrum", count=3, form="tilt")
+    assert picture.caption.startswith("Left: the first of 3 scans without its tilt. Right: ")
 
 
 def test_words_of_the_report_ask_for_nothing_that_no_result_can_have_used():

@@ -10,11 +10,11 @@ import pytest
 
 from fem_seal.case.case import load_case, write_case
 from fem_seal.cli.app import main
+from fem_seal.output.answer_output import prose
 from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
-from fem_seal.output.shown import prose
 from fem_seal.seal.findings import caution
-from fem_seal.units import Display, shared_flow_unit, shown_in
+from fem_seal.units import Display
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 # a throughput in SI stands beside that of every system
@@ -104,8 +104,8 @@ def test_lists_of_the_libraries_take_the_units_that_are_asked_for(capsys):
         # condition and source speak in their own words; lines that are broken are one again
         lines = re.sub(r"\n +", " ", capsys.readouterr().out).splitlines()
         assert foreign([line for line in lines if not re.match("condition|source", line)], "US") == []
-    with shown_in(Display("US")):
-        headings = " ".join([*material_cells(material_rows())[0], *fluid_cells(fluid_rows())[0]]).split()
+    us = Display("US")
+    headings = " ".join([*material_cells(us, material_rows())[0], *fluid_cells(us, fluid_rows())[0]]).split()
     assert {"ksi", "1e-6/degF", "cP", "lb/ft3", "psi", "degF"} <= set(headings)
     assert not {"GPa", "MPa", "1e-6/K", "mPa", "kg/m3", "bar", "degC"} & set(headings)
     main(["materials", "316L", "--units", "US"])
@@ -122,10 +122,9 @@ def test_table_of_the_direct_simulation_takes_the_units_of_the_case():
     columns = prose()["terminal"]["samples"]
     row = {one["key"]: 6.894757e6 if "unit" in one else 1 for one in columns}
     rows = [row | {"blocked_samples": 0, "samples": 1}]
-    headings, ((_, pressure, *_),) = shown_rows(rows)
+    headings, ((_, pressure, *_),) = shown_rows(Display(), rows)
     assert headings[1] == "p\nMPa" and pressure == "6.895"
-    with shown_in(Display("US")):
-        headings, ((_, pressure, *_),) = shown_rows(rows)
+    headings, ((_, pressure, *_),) = shown_rows(Display("US"), rows)
     assert headings[1] == "p\nksi" and pressure == "1.0000"
     assert {"conserved\nu_eff, uin", "mean gap\nuin"} <= set(headings)
     assert not any(unit in heading for heading in headings for unit in ("MPa", "um"))
@@ -149,9 +148,8 @@ def test_a_finding_takes_the_units_of_the_system():
 
 
 def test_si_units_of_small_leak_rates_need_no_powers_of_ten():
-    with shown_in(Display("SI")):
-        unit = shared_flow_unit((2.04e-12, 5.87e-10))
-        assert (unit.name, unit.of(2.04e-12)) == ("mm³/s", pytest.approx(0.00204))
+    unit = Display("SI").shared_flow_unit((2.04e-12, 5.87e-10))
+    assert (unit.name, unit.of(2.04e-12)) == ("mm³/s", pytest.approx(0.00204))
 
 
 @pytest.mark.parametrize(

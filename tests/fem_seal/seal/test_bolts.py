@@ -13,7 +13,7 @@ from fem_seal.answers.case_load import CaseLoad
 from fem_seal.bolts import STRESS_AREAS, Bolts, held_force, nominal_diameter, stiffness_of
 from fem_seal.case.tightening import bolts_of
 from fem_seal.errors import InputError, NoLoadLeftError
-from fem_seal.output.answers.bolts import SHOWN, bolt_table
+from fem_seal.output.answers.bolts import OUTPUT, bolt_table
 from fem_seal.output.files import summary
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
@@ -302,7 +302,7 @@ def test_the_leak_rate_per_length():
 
 
 def test_sentences_and_tables_have_the_bolts():
-    sentences = " ".join(SHOWN.page_of(answered(), answered().case.display).details)
+    sentences = " ".join(OUTPUT.page_of(answered(), answered().case.display).details)
     for text in (
         "4 bolts are tightened to 2000 N each",
         "3.20 N m",
@@ -313,7 +313,7 @@ def test_sentences_and_tables_have_the_bolts():
     assert len(bolt_table(answered()).rows) == 1
     told = summary(answered())["bolts"]
     assert told["number"] == 4 and told["loads"][0]["torque"] == pytest.approx(3.2)
-    assert not SHOWN.asked(replace(answered(), answers={}))
+    assert not OUTPUT.answers(replace(answered(), answers={}))
 
 
 @pytest.mark.slow

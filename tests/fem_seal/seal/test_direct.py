@@ -24,6 +24,7 @@ from fem_seal.errors import InputError
 from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
 from fem_seal.seal.direct import DirectSettings, DirectTable, simulate_surface
 from fem_seal.seal.problem import direct_settings, rough_contact
+from fem_seal.units import Display
 from fem_seal.validity.checks import _direct_cautions
 from leak import DirectError, Reading, RoughContact
 
@@ -134,7 +135,7 @@ def test_theory_stands_beside_it():
     # four points per wave add some 6 %
     for row in found.loading:
         assert 1.0 < row.contact_area / row.theory.contact_area < 1.8
-    assert "of the slope variance are cut" in " ".join(direct_lines(found))
+    assert "of the slope variance are cut" in " ".join(direct_lines(Display(), found))
     assert direct_numbers(found)["slope_variance_cut"] > 0.8
 
 
@@ -311,7 +312,7 @@ def test_metal_that_flows_is_loaded_step_by_step():
     assert drawn.gap == pytest.approx(states[0][3].gap, abs=1e-3 * states[0][3].gap.max())
     assert np.mean(drawn.touches) == pytest.approx(states[0][3].contact_area, abs=2e-3)
     assert np.mean(drawn.yielded) == pytest.approx(states[0][3].yielded_area, abs=4e-3)
-    assert "flows at a von Mises stress of 1.21 GPa" in " ".join(direct_lines(found))
+    assert "flows at a von Mises stress of 1.21 GPa" in " ".join(direct_lines(Display(), found))
     assert direct_numbers(found)["load_step_Pa"] == pytest.approx(0.025 * 3.5e9)
 
 
@@ -659,7 +660,7 @@ def test_measured_map_is_simulated(tmp_path, monkeypatch):
     assert high >= low > 0.01
     one_way = replace(row, log_directions=np.inf)
     assert found.log_error(one_way)[0] == pytest.approx(np.log(10.0))
-    assert "Measured map" in direct_lines(found)[0]
+    assert "Measured map" in direct_lines(Display(), found)[0]
     line = leak.line_scan(np.arange(64) * 1e-6, 1e-7 * np.sin(np.arange(64)))
     monkeypatch.setattr(leak, "read_topography", lambda path, unit=None: line)
     with pytest.raises(InputError, match="line scan"):

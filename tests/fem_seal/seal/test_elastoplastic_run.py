@@ -27,11 +27,11 @@ from fem_seal.contact.plastic_step import PathLoad
 from fem_seal.contact.solution import plastic_zone, yielding_of
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
+from fem_seal.output.answer_outputs import pages_of
 from fem_seal.output.files import summary
 from fem_seal.output.pictures import contact as pictures_contact
 from fem_seal.output.pictures import leak as pictures_leak
 from fem_seal.output.pictures.style import style
-from fem_seal.output.shown_answers import pages_of
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate

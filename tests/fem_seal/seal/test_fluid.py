@@ -124,7 +124,9 @@ def test_dense_gas_is_warned_of():
 def test_readable_leak_and_class():
     result = rough_result()
     load = result.loads[-1]
-    assert "ml/min" in leakage_text(load) and "drops/min" in leakage_text(load)
+    assert "ml/min" in leakage_text(result.case.display, load) and "drops/min" in leakage_text(
+        result.case.display, load
+    )
     assert [one.standard for one in leakage_classes(result.case, load)] == ["ISO 5208", "API 598", "FCI 70-2"]
     size = nominal_size(result.case)
     assert size.is_estimated and size.size == 0.025

@@ -366,4 +366,4 @@ def test_a_design_of_another_temperature_takes_its_curve(tmp_path: Path) -> None
     result.write(tmp_path)
     report = (tmp_path / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")
     assert "taken from a table over temperature" in report
-    assert curve_in_words(HOT) in report
+    assert curve_in_words(result.case.display, HOT) in report

@@ -67,7 +67,7 @@ def seal(shape="ball in cone", radius=10.0, *, mm=millimetres, load=None, scale=
 
 def rows(case: Case, run: Callable[[Case], SealResult] = run_loads) -> list[dict[str, float]]:
     """The numbers of leak.csv."""
-    return [{name: row[name] for name in LEAK_COLUMNS} for row in leak_rows(run(case), every=True)]
+    return [{name: row[name] for name in LEAK_COLUMNS} for row in leak_rows(run(case), all_columns=True)]
 
 
 def assert_same(one, other, factors=None) -> None:

@@ -20,7 +20,7 @@ from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.case import load_case
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import InputError
-from fem_seal.output.answers.lands import SHOWN
+from fem_seal.output.answers.lands import OUTPUT
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.load_result import LoadResult
@@ -301,7 +301,7 @@ def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
     """Line loads of both lands make the contact force; as much flows through both, unless a port holds the chamber."""
     case = lands_case(INNER, OUTER, fluid="nitrogen", chamber_pressure="6 bar")
     result = fem_seal.run(case)
-    lines = SHOWN.page_of(result, case.display).details
+    lines = OUTPUT.page_of(result, case.display).details
     assert len(lines) == 2 and lines[1].endswith("held at 6.000 bar above the low side.")
     result.write(tmp_path)
     table = pd.read_csv(tmp_path / "contacts.csv")
@@ -325,7 +325,7 @@ def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
     alone = lands_case(INNER, OUTER).replace(
         seat={"shape": "flat-land", "land_inner_radius": 0.02, "land_outer_radius": 0.0215, "material": STEEL}
     )
-    assert not SHOWN.asked(fem_seal.run(alone))
+    assert not OUTPUT.answers(fem_seal.run(alone))
 
 
 @pytest.mark.slow

@@ -82,7 +82,7 @@ def test_a_load_answers_alike_after_pickling_touched_or_not():
 def test_a_design_with_the_contact_of_a_run_has_its_numbers(of, monkeypatch):
     monkeypatch.setattr(responses, "_source", lambda *asked: OWN_BODIES)
     found = responses.evaluate_design(of, LEAK_COLUMNS, interpolate=False).values
-    (row,) = leak_rows(fem_seal.run(of), every=True)
+    (row,) = leak_rows(fem_seal.run(of), all_columns=True)
     assert found == pytest.approx({name: row[name] for name in LEAK_COLUMNS}, rel=1e-12, nan_ok=True)
 
 

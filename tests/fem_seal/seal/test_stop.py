@@ -21,7 +21,7 @@ from fem_seal.contact.newton import ContactProblem, solve
 from fem_seal.contact.newton import _solve_from_soft as solve_from_soft
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import InputError
-from fem_seal.output.answers.compression import SHOWN
+from fem_seal.output.answers.compression import OUTPUT
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.load_solver import solve_again, solve_linearised
 from fem_seal.seal.problem import SealProblem
@@ -141,7 +141,7 @@ def test_compression_and_force_of_the_stop_are_written(tmp_path: Path) -> None:
     closed = json.loads((tmp_path / "summary.json").read_text())["derived"]["loads"]
     for one, row in zip(closed, tables[1], strict=True):
         assert one["contact_force_N"] == pytest.approx(float(row["contact_force_N"]), rel=1e-9)
-    said = " ".join(SHOWN.page_of(result, result.case.display).details)
+    said = " ".join(OUTPUT.page_of(result, result.case.display).details)
     assert "The flanges meet at 4.00" in said and "presses the gasket no harder" in said
     assert "The flanges meet at 4.00" in (tmp_path / "report.html").read_text()
 

@@ -15,7 +15,7 @@ import fem_seal
 import leak
 from fem_seal.answers.closed_forms import closed_form_limits
 from fem_seal.explore.session import Session
-from fem_seal.output.answers.variants import SHOWN, headline
+from fem_seal.output.answers.variants import OUTPUT, headline
 from fem_seal.output.answers.verdict import basis_lines
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.evaluate import evaluate
@@ -69,7 +69,9 @@ def run_by(theory, name, **changes):
 def test_the_other_theory_has_a_contact_of_its_own(name, changes, theory):
     """What stands beside a run is what a run by that theory gives, whose mesh is another one."""
     case, other = example(name, **changes), OTHER[theory]
-    (row, *_), (whole, *_) = (leak_rows(run_by(one, name, **changes), every=True) for one in (theory, other))
+    (row, *_), (whole, *_) = (
+        leak_rows(run_by(one, name, **changes), all_columns=True) for one in (theory, other)
+    )
     assert row[f"leak_rate_{theory}_m3_per_s"] == row["leak_rate_m3_per_s"]
     assert row[f"leak_rate_{other}_m3_per_s"] == pytest.approx(whole["leak_rate_m3_per_s"], rel=2e-3)
     study = evaluate_design(
@@ -128,7 +130,7 @@ def test_the_headline_of_the_papers_theory_has_the_corrected_one_beside_it():
     assert "By the corrected theory 66 to 86 ml/min leaks at 20 bar." in headline(paper, paper.case.display)
     assert not headline(corrected, corrected.case.display)
     # what it makes of the difference multiplies to the whole
-    whole, parts, yields, simulated, _ = SHOWN.page_of(paper, paper.case.display).section.sentences
+    whole, parts, yields, simulated, _ = OUTPUT.page_of(paper, paper.case.display).section.sentences
     assert "66 to 86 ml/min" in whole and " 3.1 times the 23 ml/min" in whole
     gaps, contact = map(float, re.search(r" ([\d.]+) times .* factor of ([\d.]+):", parts).groups())
     assert gaps * contact == pytest.approx(3.1, rel=0.05)

@@ -385,7 +385,7 @@ def test_every_message_is_asked_for_and_every_one_asked_for_is_there():
     code = "\n".join(path.read_text("utf-8") for path in files)
     problems = {name for name in own_tables("problems.toml") if name.startswith("study_")}
     assert set(re.findall(r'(?:problem|sentence)\(\s*"([^"]+)"', code)) == problems
-    notes = re.findall(r'phrase\(\s*"studies.notes",\s*"([^"]+)"', code)
+    notes = re.findall(r'say\([\w.\s]+,\s*"studies",\s*"notes_([^"]+)"', code)
     words = environment(Display()).get_template("answers/studies.j2").module
     assert {f"notes_{note}" for note in notes} == {name for name in vars(words) if name.startswith("notes_")}
 
@@ -463,7 +463,7 @@ def test_a_design_has_one_load(tmp_path):
 def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
     case = fem_seal.load_case(CASE).replace(changes)
     fast = evaluate_design(case, tuple(LEAK_COLUMNS)).values
-    complete = leak_rows(run_loads(case), every=True)[0]
+    complete = leak_rows(run_loads(case), all_columns=True)[0]
     for name, value in fast.items():
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
         tolerance = 1e-2 if name == "max_von_mises_Pa" else 3e-4

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fem_seal.output.answer_output import AnswerOutput, AnswerPage
 from fem_seal.output.answers import (
     bolts,
     compression,
@@ -20,13 +21,12 @@ from fem_seal.output.answers import (
     variants,
     verdict,
 )
-from fem_seal.output.shown import AnswerPage, Shown
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
 
 # In the order on the terminal.
-_PAGES = (
+_ANSWERS = (
     contact,
     leak,
     compression,
@@ -42,7 +42,7 @@ _PAGES = (
     standard_tests,
     sensitivities,
 )
-SHOWN: tuple[Shown, ...] = tuple(page.SHOWN for page in _PAGES)
+OUTPUTS: tuple[AnswerOutput, ...] = tuple(page.OUTPUT for page in _ANSWERS)
 
 
 def pages_of(result: SealSolution) -> list[AnswerPage]:
@@ -52,4 +52,4 @@ def pages_of(result: SealSolution) -> list[AnswerPage]:
     ----------
     result : SealSolution
     """
-    return [shown.page_of(result, result.case.display) for shown in SHOWN]
+    return [output.page_of(result, result.display) for output in OUTPUTS]

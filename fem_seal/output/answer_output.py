@@ -10,7 +10,7 @@ from fem_seal.files import own_tables
 from fem_seal.output.columns import ReadableTable
 from fem_seal.seal.findings import Level
 from fem_seal.seal.scenarios import BESIDE
-from fem_seal.wording import filled
+from fem_seal.wording import fill
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -54,12 +54,13 @@ class Section:
 
 
 def worded_section(
-    name: str, sentences: Sequence[str], *tables: ReadableTable, **values: object
+    display: Display, name: str, sentences: Sequence[str], *tables: ReadableTable, **values: object
 ) -> Section | None:
     """A section with its entry of words.toml under "sections"; None without a sentence and a row.
 
     Parameters
     ----------
+    display : Display
     name : str
     sentences : sequence of str
     *tables : ReadableTable
@@ -70,9 +71,11 @@ def worded_section(
     if not sentences and not any(table.rows for table in tables):
         return None
     words = prose()["sections"][name]
-    captions = (filled(caption, values) for caption in words["captions"])
-    shown = tuple(zip(tables, captions, strict=True))
-    return Section(name, words["title"], words["link"], sentences, words["pictures"], shown, words["files"])
+    captions = (fill(display, caption, **values) for caption in words["captions"])
+    captioned_tables = tuple(zip(tables, captions, strict=True))
+    return Section(
+        name, words["title"], words["link"], sentences, words["pictures"], captioned_tables, words["files"]
+    )
 
 
 @dataclass(frozen=True)
@@ -104,8 +107,8 @@ def decisive(result: SealSolution) -> CaseLoad:
     ----------
     result : SealSolution
     """
-    found = result.judgement
-    return result.highest if found is None or found.number is None else result.loads[found.number]
+    judgement = result.judgement
+    return result.highest if judgement is None or judgement.number is None else result.loads[judgement.number]
 
 
 @dataclass(frozen=True)
@@ -139,12 +142,12 @@ class AnswerPage:
 
 
 @dataclass(frozen=True)
-class Shown:
+class AnswerOutput:
     """Contributions of an answer to the files of a result and to the terminal; each is optional.
 
     Parameters
     ----------
-    asked : callable
+    answers : callable
         The answers that it shows; where they are empty or None it is asked for nothing.
     summary : callable
         Keys of summary.json with their values.
@@ -158,7 +161,7 @@ class Shown:
         What it says of a result in the units of a display.
     """
 
-    asked: Callable[[SealSolution], object] = lambda result: True
+    answers: Callable[[SealSolution], object] = lambda result: True
     summary: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
     absent: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, Callable[[SealSolution], CsvTable]] = field(default_factory=dict)
@@ -167,11 +170,11 @@ class Shown:
 
     def page_of(self, result: SealSolution, display: Display) -> AnswerPage:
         """What it says of a result; nothing without an answer."""
-        return self.page(result, display) if self.asked(result) else AnswerPage()
+        return self.page(result, display) if self.answers(result) else AnswerPage()
 
     def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
         """Keys of summary.json with their values, or what stands there without an answer."""
-        return self.summary(result) if self.asked(result) else self.absent
+        return self.summary(result) if self.answers(result) else self.absent
 
 
 # Field of a dataclass with the values of scenarios beside -> name of the value in the file.
@@ -181,23 +184,31 @@ _READ = {"others": "leak_rate", "allowed_others": "allowed"}
 def by_scenario(value: Any) -> Any:
     """Entries of a dataclass, with a separate entry for each scenario beside."""
     if isinstance(value, (list, tuple)):
-        return [by_scenario(one) for one in value]
+        return [by_scenario(entry) for entry in value]
     if not isinstance(value, dict):
         return value
-    found = {name: by_scenario(one) for name, one in value.items() if name not in _READ}
+    entries = {name: by_scenario(entry) for name, entry in value.items() if name not in _READ}
     read = {name: value[name] for name in _READ if name in value}
-    return found | {
-        f"{_READ[name]}_{one}": others.get(one) for name, others in read.items() for one in BESIDE
+    return entries | {
+        f"{_READ[name]}_{scenario}": others.get(scenario)
+        for name, others in read.items()
+        for scenario in BESIDE
     }
 
 
 def worded_table(
-    name: str, rows: Iterable[Mapping[str, object]], *, without: Collection[str] = (), **values: object
+    display: Display,
+    name: str,
+    rows: Iterable[Mapping[str, object]],
+    *,
+    without: Collection[str] = (),
+    **values: object,
 ) -> ReadableTable:
     """A table whose headings and cells are sentences of words.toml.
 
     Parameters
     ----------
+    display : Display
     name : str
         Of the table in words.toml, under "tables".
     rows : iterable of mapping
@@ -209,6 +220,6 @@ def worded_table(
     """
     columns = {key: cell for key, cell in prose()["tables"][name].items() if key not in without}
     return ReadableTable(
-        tuple(filled(heading, values) for heading in columns),
-        tuple(tuple(filled(cell, {**values, **row}) for cell in columns.values()) for row in rows),
+        tuple(fill(display, heading, **values) for heading in columns),
+        tuple(tuple(fill(display, cell, **{**values, **row}) for cell in columns.values()) for row in rows),
     )
