@@ -71,13 +71,7 @@ def _tidy_docstrings_once() -> None:
 
 # Modules that scipy and matplotlib load, with a hundred and fifty others, and that no command uses.
 LATE_IMPORTS = frozenset(
-    {
-        "PIL.ExifTags",
-        "fontTools.agl",
-        "mpl_toolkits.mplot3d.art3d",
-        "numpy.f2py",
-        "numpy.testing",
-    }
+    {"PIL.ExifTags", "fontTools.agl", "mpl_toolkits.mplot3d.art3d", "numpy.f2py", "numpy.testing"}
 )
 
 

@@ -19,14 +19,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import (
-    InputError,
-    OutputError,
-    QuantityError,
-    SealError,
-    TextTableError,
-    join_remedy,
-)
+from fem_seal.errors import InputError, OutputError, QuantityError, SealError, TextTableError, join_remedy
 from fem_seal.units import parse_quantity
 from fem_seal.wording import Words
 

@@ -204,10 +204,7 @@ def rigid_wave(
         z of the point about which it leans, over the circle of first touch [m].
     """
     lever = -normal[0] * tilt_height - normal[1] * initial_contact_radius
-    return (
-        Wave(1, normal[0] * eccentricity, eccentricity_angle),
-        Wave(1, tilt * lever, tilt_angle),
-    )
+    return (Wave(1, normal[0] * eccentricity, eccentricity_angle), Wave(1, tilt * lever, tilt_angle))
 
 
 @dataclass(frozen=True)

@@ -467,9 +467,7 @@ def model_as_it_is(name: str, model: LeakModel) -> LeakModel:
 
 
 def case_loads(
-    problem: SealProblem,
-    loads: Sequence[LoadResult],
-    prepare: Prepare = model_as_it_is,
+    problem: SealProblem, loads: Sequence[LoadResult], prepare: Prepare = model_as_it_is
 ) -> list[CaseLoad]:
     """Loads of a problem with the scenarios that share their contacts.
 

@@ -46,11 +46,7 @@ def _compute(seal: SolvedSeal, request: Request) -> Findings:
     problem, compute = seal.problem, request.steps.compute
     checks = compute("checks of what the theory allows", partial(contact_cautions, problem, seal.loads), ())
     validity = [
-        compute(
-            at_pressure("validity", load),
-            partial(load_validity, problem, load),
-            NOT_JUDGED,
-        )
+        compute(at_pressure("validity", load), partial(load_validity, problem, load), NOT_JUDGED)
         for load in seal.loads
     ]
     others = compute("validity by the other theory", partial(_in_scenarios, seal), ({},) * len(seal.loads))

@@ -13,13 +13,7 @@ from fem_seal.case.fields import Bubbles
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import RELIEF, Requirement
 from fem_seal.errors import Text, write
-from fem_seal.seal.scenarios import (
-    ROOM_TEMPERATURE,
-    TEST_GAS,
-    TEST_GASES,
-    TEST_TEMPERATURES,
-    gas_of_test,
-)
+from fem_seal.seal.scenarios import ROOM_TEMPERATURE, TEST_GAS, TEST_GASES, TEST_TEMPERATURES, gas_of_test
 from fem_seal.units import LIQUID, Display, LeakVolume
 from fem_seal.wording import Quantity, Words
 from leak import LeakageClass

@@ -111,9 +111,7 @@ def _refuse_far_too_weak(
         peak = max(peaks)
         loads = fluid_pressures[peaks.index(peak)]
         raise InputError.at(
-            "load.fluid_pressure",
-            sentence("far_too_weak", peak=peak, pressure=min(loads)),
-            file=problem.file,
+            "load.fluid_pressure", sentence("far_too_weak", peak=peak, pressure=min(loads)), file=problem.file
         )
 
 

@@ -293,12 +293,7 @@ class Samples:
     known_rates: KnownRates = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(
-        cls,
-        seal: SolvedSeal,
-        settings: Uncertainty,
-        known_rates: KnownRates | None = None,
-    ) -> Samples:
+    def of(cls, seal: SolvedSeal, settings: Uncertainty, known_rates: KnownRates | None = None) -> Samples:
         """The samples of a seal.
 
         Parameters

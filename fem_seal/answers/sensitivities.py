@@ -540,10 +540,7 @@ class _ChangedSeal:
             for name in _MATERIALS:
                 if name != material.name:
                     yield _Change(
-                        f"{body}.material",
-                        math.nan,
-                        partial(self._with_material, body, name),
-                        material=name,
+                        f"{body}.material", math.nan, partial(self._with_material, body, name), material=name
                     )
 
     def _with_material(self, body: str, name: str, factor: float) -> Problems:

@@ -472,8 +472,7 @@ def key_of(table: type[BaseModel], name: str) -> Key:
     """
     keys = own_tables("keys.toml")
     return next(
-        (Key(*keys[t.__name__][name]) for t in table.__mro__ if name in keys.get(t.__name__, ())),
-        Key(),
+        (Key(*keys[t.__name__][name]) for t in table.__mro__ if name in keys.get(t.__name__, ())), Key()
     )
 
 

@@ -71,10 +71,7 @@ def _add_finishes(properties: dict[str, Any], keys: tuple[str, ...]) -> None:
             "type": ["string", "object"],
             **_OPEN,
             **({"description": table["description"]} if "description" in table else {}),
-            "allOf": [
-                {"if": {"type": "string"}, "then": words},
-                {"if": {"type": "object"}, "then": table},
-            ],
+            "allOf": [{"if": {"type": "string"}, "then": words}, {"if": {"type": "object"}, "then": table}],
         }
 
 
@@ -169,10 +166,7 @@ def _chosen_by_word(schema: dict[str, Any], defs: Mapping[str, Any]) -> dict[str
         **_OPEN,
         "required": [] if default_form else [word],
         "allOf": [
-            {
-                "if": {"properties": {word: {"const": name}}, "required": [word]},
-                "then": {"$ref": place},
-            }
+            {"if": {"properties": {word: {"const": name}}, "required": [word]}, "then": {"$ref": place}}
             for name, place in forms.items()
         ],
     }

@@ -10,13 +10,7 @@ from typing import TYPE_CHECKING
 from fem_seal.arrays import FloatArray
 from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError, TextTableError
-from fem_seal.files import (
-    Names,
-    column,
-    find_columns,
-    read_any_text,
-    read_text_table,
-)
+from fem_seal.files import Names, column, find_columns, read_any_text, read_text_table
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
 

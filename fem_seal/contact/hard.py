@@ -34,10 +34,7 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
     for change in range(1, _MAX_CHANGES + 1):
         ends = np.flatnonzero(active)
         matrix = np.block(
-            [
-                [compliance[np.ix_(ends, ends)], -axial[ends, None]],
-                [-axial[None, ends], np.zeros((1, 1))],
-            ]
+            [[compliance[np.ix_(ends, ends)], -axial[ends, None]], [-axial[None, ends], np.zeros((1, 1))]]
         )
         solution = np.linalg.solve(matrix, np.append(-gap0[ends], -contact_force))
         pressure, approach, carried_force = np.zeros(len(active)), float(solution[-1]), contact_force

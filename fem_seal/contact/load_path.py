@@ -591,10 +591,7 @@ class _Walk:
     def _limit_load(self, at: PathLoad, balance: Equilibrium) -> LimitLoadError:
         body = max(balance.states, key=lambda name: _yielded_share(balance.states[name]))
         label = self.model.bodies[body].fem.label
-        return LimitLoadError(
-            sentence("limit_load", label=label, force=at.force),
-            label,
-        )
+        return LimitLoadError(sentence("limit_load", label=label, force=at.force), label)
 
 
 class _OpenedSeal(Exception):

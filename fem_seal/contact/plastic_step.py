@@ -385,10 +385,7 @@ class _Step:
     """Of which heat is the same throughout the step."""
 
     def at(
-        self,
-        displacements: Mapping[str, FloatArray],
-        loads: BodyLoads,
-        contact: ContactSolution | None,
+        self, displacements: Mapping[str, FloatArray], loads: BodyLoads, contact: ContactSolution | None
     ) -> _Iterate:
         """Iterate at some displacements under some loads."""
         contact_forces = np.zeros_like(self.model.line.x) if contact is None else contact.point_forces

@@ -298,10 +298,7 @@ def _without_stubs(sizing: Sizing, contact: ContactGeometry) -> tuple[float, flo
     """The zone with ends that lie less than an element from the end of a face moved there."""
     (start, end), (lower, upper) = sizing.zone, contact.reach
     room = sizing.size(np.array(sizing.zone))
-    return (
-        lower if start - lower < room[0] else start,
-        upper if upper - end < room[1] else end,
-    )
+    return (lower if start - lower < room[0] else start, upper if upper - end < room[1] else end)
 
 
 def _edges(

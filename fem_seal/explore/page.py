@@ -24,13 +24,7 @@ from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, apply_choice, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
 from fem_seal.explore.gate import Design, FieldText, PageRequest, refuse, register_callback, validate
-from fem_seal.explore.screen import (
-    not_taken_words,
-    page_words,
-    refused_words,
-    slow_words,
-    still_words,
-)
+from fem_seal.explore.screen import not_taken_words, page_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.units import Display
 from fem_seal.wording import environment

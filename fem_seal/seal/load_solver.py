@@ -37,12 +37,7 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings, TightenedBolts
-from fem_seal.contact.solution import (
-    DEFAULT_SETTINGS,
-    ContactSettings,
-    ContactSolution,
-    largest_before,
-)
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution, largest_before
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
@@ -218,11 +213,7 @@ class LoadSolver:
         if self._on_sealed_area:
             return PathLoad(applied_force + end_force, at_rest, bolts=tightened_bolts)
         return PathLoad(
-            applied_force,
-            at_rest,
-            path=self._path,
-            fluid_pressure=fluid_pressure,
-            bolts=tightened_bolts,
+            applied_force, at_rest, path=self._path, fluid_pressure=fluid_pressure, bolts=tightened_bolts
         )
 
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
@@ -791,11 +782,7 @@ def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
     return [solutions[id(contact)] for contact in contacts]
 
 
-def solve_again(
-    contacts: Sequence[ContactSolution],
-    model: ContactModel,
-    law: Law,
-) -> list[ContactSolution]:
+def solve_again(contacts: Sequence[ContactSolution], model: ContactModel, law: Law) -> list[ContactSolution]:
     """The same loads on other bodies or with another law; what the fluid does between the surfaces stays as it is.
 
     Parameters

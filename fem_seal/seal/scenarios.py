@@ -114,9 +114,7 @@ class Scenario:
     problem: SealProblem
 
     def on_contacts(
-        self,
-        loads: Sequence[LoadResult],
-        prepare: Callable[[LeakModel], LeakModel] = lambda model: model,
+        self, loads: Sequence[LoadResult], prepare: Callable[[LeakModel], LeakModel] = lambda model: model
     ) -> list[LoadResult]:
         """What leaks in this scenario through the contacts of some loads; a load itself where nothing else does.
 

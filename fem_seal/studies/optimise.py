@@ -54,12 +54,7 @@ def search_space(study: StudyPlan) -> dict[str, BaseDistribution]:
 
 
 def optimise(
-    study: StudyPlan,
-    spec: DesignSpec,
-    about: Mapping[str, Any],
-    store: Store,
-    pool: Pool,
-    progress: Progress,
+    study: StudyPlan, spec: DesignSpec, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
 ) -> None:
     """Try designs until there are as many as asked for.
 

@@ -24,15 +24,7 @@ from fem_seal.studies.designs_table import (
     other_leak_rates,
     pareto_front,
 )
-from fem_seal.studies.display import (
-    BLUE,
-    FEW,
-    GREY,
-    LOOKS,
-    RED,
-    DesignDisplay,
-    lift_zeros,
-)
+from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, RED, DesignDisplay, lift_zeros
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -27,10 +27,7 @@ from fem_seal.seal.findings import (
 from fem_seal.seal.leak_model import DIRECT_END
 from fem_seal.seal.load_result import LoadResult, load_words
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import (
-    DIGITS,
-    format_at_limit,
-)
+from fem_seal.units import DIGITS, format_at_limit
 from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import material_cautions

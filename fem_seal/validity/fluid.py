@@ -241,11 +241,7 @@ def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
 
 
 def _fastest_gas(
-    flow: FlowModel,
-    loads: Sequence[LoadResult],
-    pairs: Sequence[tuple[LoadResult, LoadResult]],
-    *,
-    end: bool,
+    flow: FlowModel, loads: Sequence[LoadResult], pairs: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
 ) -> Finding | None:
     """Finding about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
     flows = [(inertia, load) for load, scenario in pairs if (inertia := _inertia_of(flow, scenario))]
@@ -279,11 +275,7 @@ def _fastest_gas(
 
 
 def _fastest_liquid(
-    flow: FlowModel,
-    loads: Sequence[LoadResult],
-    pairs: Sequence[tuple[LoadResult, LoadResult]],
-    *,
-    end: bool,
+    flow: FlowModel, loads: Sequence[LoadResult], pairs: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
 ) -> Finding | None:
     """`_fastest_gas` for a liquid."""
     flows = [(*numbers, load) for load, scenario in pairs if (numbers := _of_liquid(flow, scenario))]

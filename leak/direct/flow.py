@@ -75,11 +75,7 @@ def patch_flow(gap: FloatArray) -> Flow:
         + np.sum(k_across * drop_across**2)
     )
     sections = np.concatenate(
-        [
-            [np.sum(inlet * (1.0 - p[0]))],
-            np.sum(k_along * drop_along, axis=1),
-            [np.sum(outlet * p[-1])],
-        ]
+        [[np.sum(inlet * (1.0 - p[0]))], np.sum(k_along * drop_along, axis=1), [np.sum(outlet * p[-1])]]
     )
     n, m = gap.shape
     return Flow(Q * n / m * scale**3, np.where(spans, p, np.nan), float(np.ptp(sections)) / Q)

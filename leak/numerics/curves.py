@@ -211,10 +211,7 @@ def shape_preserving_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
         return np.repeat(secant, 2)
     w1, w2 = 2.0 * h[1:] + h[:-1], h[1:] + 2.0 * h[:-1]
     inner = (w1 + w2) / (w1 / secant[:-1] + w2 / secant[1:])
-    ends = [
-        _end_slope(h[0], h[1], secant[0], secant[1]),
-        _end_slope(h[-1], h[-2], secant[-1], secant[-2]),
-    ]
+    ends = [_end_slope(h[0], h[1], secant[0], secant[1]), _end_slope(h[-1], h[-2], secant[-1], secant[-2])]
     return np.concatenate([[ends[0]], inner, [ends[1]]])
 
 

@@ -186,10 +186,7 @@ def _curve(entity: Any, unit: float, columns: Any, tolerance: float) -> list[Seg
 
     def at(t: float) -> tuple[FloatArray, FloatArray]:
         point, tangent = next(iter(spline.derivatives([t], 1)))
-        return (
-            unit * np.array([point.x, point.y])[columns],
-            np.array([tangent.x, tangent.y])[columns],
-        )
+        return (unit * np.array([point.x, point.y])[columns], np.array([tangent.x, tangent.y])[columns])
 
     knots = np.unique(np.round(np.array(spline.knots()), 12))
     inner_knots = knots[(knots >= 0) & (knots <= spline.max_t)]
