@@ -15,6 +15,7 @@ from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile
 from leak.flow.leak_rate import GasPermeant, LiquidPermeant, Permeant, gap_of, potential_ends
 from leak.fluids.properties import FlowPotential, Gas, GasPotential, PressureLaw
+from leak.numerics.roots import MOST_STEPS
 
 # Of the conductance with free flow around: more is no resistance.
 _MOST_CONDUCTANCE = 1e9
@@ -23,7 +24,6 @@ _LEAST_SHARE = 1e-9
 # The same where every single angle is sealed, of the conductance with free flow around.
 _FAINTEST = 1e-24
 _REFINEMENTS = 2
-_MOST_ITERATIONS = 200
 _TOLERANCE = 1e-11
 # The gas pressure at which a vacuum is taken [Pa].
 _VACUUM = 1e-3
@@ -294,7 +294,7 @@ def _solve_sweeps(
     pressure = potential.pressure(first + (last - first) * np.linspace(0.0, 1.0, x.size)[:, None])
     pressure = pressure * np.ones(np.asarray(conductivity(np.full((x.size, 1), pressure.max()))).shape[-1])
     last_flow = np.inf
-    for _ in range(_MOST_ITERATIONS):
+    for _ in range(MOST_STEPS):
         at = np.maximum(pressure, _VACUUM)
         ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), flows_around)
         state = ring.solve(first, last)

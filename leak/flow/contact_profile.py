@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import BoolArray, FloatArray, IntArray
+from leak.arrays import LARGEST_LOG, BoolArray, FloatArray, IntArray
 from leak.errors import ProfileError, as_arrays, check_each, check_order
 from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
@@ -19,7 +19,7 @@ from leak.numerics.integrals import gauss, sorted_unique
 # Faces that go on for ever.
 NO_ENDS = (-np.inf, np.inf)
 # Below this ln(p/Pa) p is as good as zero: what lies beyond adds less than 1e-6 of the flow resistance.
-SMALLEST_LOG_PRESSURE = -700.0
+SMALLEST_LOG_PRESSURE = -LARGEST_LOG
 _SMALLEST_PRESSURE = float(np.exp(SMALLEST_LOG_PRESSURE))
 # ln p by which the spline may leave the range of two neighbouring points: near a peak that falls between them.
 _OVERSHOOT = 0.1

@@ -19,7 +19,7 @@ from leak.flow.leak_rate import LogConductivity, SigmaOfPressure, by_log_pressur
 from leak.flow.leak_result import LeakResult
 from leak.fluids.properties import FlowPotential, PressureLaw
 from leak.numerics.curves import cell_cubics, spline_slopes
-from leak.numerics.roots import bisect_roots, root_between, root_of_rising
+from leak.numerics.roots import MOST_STEPS, bisect_roots, root_between, root_of_rising
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
 _TAIL_SHARE = 1e-10
@@ -313,7 +313,6 @@ _SPACING, _RANGE = 0.05, 60.0
 _NEAR_SEALING = 14.0
 # A conductivity below this is none: toward the sealing pressure sigma underflows before it vanishes [m^3/(Pa s)].
 _NONE = 1e-200
-_NEWTON_STEPS = 60
 # Newton's error squares with each step.
 _NEWTON_CLOSE = 1e-8
 # Values of a liquid over pressure: the cubic between them is off by less than 1e-9 for thickening by e^10.
@@ -440,7 +439,7 @@ class ResistanceCurve(_Curve):
         target = log(room)
         top = min(target, self.last_node)
         v, low, high = min(guess, top), -inf, top
-        for _ in range(_NEWTON_STEPS):
+        for _ in range(MOST_STEPS):
             G, dG = self.at(v)
             rise = exp(min(G + log_flow, 600.0))
             lift, steep = rise * slope, slope

@@ -38,6 +38,7 @@ from leak.fluids.properties import GAS_CONSTANT, FlowPotential, Gas, GasPotentia
 from leak.numerics.anderson import mixing_weights
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 from leak.numerics.integrals import integrals_up_to_nodes
+from leak.numerics.roots import MOST_STEPS
 from leak.standards import STANDARD_PRESSURE
 
 # First-order slip of `poiseuille_flow_rate`.
@@ -318,8 +319,6 @@ def through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
     return lambda pressure: np.maximum(curve.value(np.log(pressure)), 0.0) ** 3
 
 
-# Eight are usual, with a vacuum ahead of wide gaps thirty.
-_MOST_SWEEPS = 200
 _TOLERANCE = 1e-11
 # So many sweeps before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
 _HISTORY = 4
@@ -614,7 +613,8 @@ def _resistance_with_gains(
 
     potential = potentials(resistance, np.add.reduceat(resistance, begin))
     last_sum, roots, steps = math.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
-    for _ in range(_MOST_SWEEPS):
+    # eight are usual, with a vacuum ahead of wide gaps thirty
+    for _ in range(MOST_STEPS):
         over_gain = resistance / gain(permeant.flow_pressure(potential))
         stretches = np.add.reduceat(over_gain, begin)
         total = float(stretches.sum())
@@ -626,7 +626,7 @@ def _resistance_with_gains(
         steps = np.concatenate([steps[-_HISTORY:], [root - np.sqrt(potential)]])
         potential = np.minimum(np.maximum((mixing_weights(steps) @ roots) ** 2, low), high)
     raise ConductivityError(
-        f"conductivity of the gas: its pressure in the contact was not found in {_MOST_SWEEPS} iterations; "
+        f"conductivity of the gas: its pressure in the contact was not found in {MOST_STEPS} iterations; "
         "a gain that falls no faster than 1/p_f has one"
     )
 

@@ -21,7 +21,7 @@ from leak.errors import ConductivityError
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve
 from leak.numerics.integrals import gauss_panels
-from leak.numerics.roots import bisect_roots
+from leak.numerics.roots import MOST_STEPS, bisect_roots
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import moment_of_all, separations
 from leak.theory.plasticity import Roughness
@@ -29,7 +29,6 @@ from leak.theory.separation import LostArea, SeparationGrid, density
 
 # ln u_eff^3 may lie this far outside the separations given; what comes as close to the lower end of that is sealed.
 _BELOW_ALL, _SEALED_MARGIN = 60.0, 0.6
-_INNER_STEPS, _OUTER_STEPS = 120, 60
 # Newton's error squares with each step: after a step this small it is some 1e-14.
 _CLOSE, _FIRST_CLOSE, _WORTH = 1e-7, 0.1, 0.1
 
@@ -183,7 +182,7 @@ class _Medium(NamedTuple):
             log_m = log_gamma + 0.5 * (y - x)
             log_m = np.where((log_m > low) & (log_m < high), log_m, 0.5 * high)
         close = _FIRST_CLOSE
-        for _ in range(_OUTER_STEPS):
+        for _ in range(MOST_STEPS):
             # s_x and s_y as well as the step of ln m deserves: in the end all three take one step of Newton's method
             x, rise_x = self.solve(k * np.exp(log_m), x, close)
             y, rise_y = self.solve(k * np.exp(-log_m), y, close)
@@ -219,7 +218,7 @@ class _Medium(NamedTuple):
         with np.errstate(divide="ignore", invalid="ignore"):
             target = np.log(flow_area / block_area)
             guess = np.where(open_row, np.minimum(np.maximum(guess, low), high), low)
-            for _ in range(_INNER_STEPS):
+            for _ in range(MOST_STEPS):
                 ks = k * np.exp(guess)
                 inverse = self.sigma + ks[:, None]
                 np.reciprocal(inverse, out=inverse)

@@ -13,10 +13,10 @@ import numpy as np
 
 from leak.arrays import BoolArray, FloatArray, IntArray
 from leak.errors import ProfileError
+from leak.numerics.roots import MOST_STEPS
 
 # Simpson's rule is exact for the third power of a depth that is linear in the fluid pressure, and knows both ends.
 _PLACES, _WEIGHTS = np.array([[0.0], [0.5], [1.0]]), np.array([1.0, 4.0, 1.0]) / 6.0
-_MOST_STEPS = 40
 # Newton's method has arrived when neither flow nor pressures change any more; a step below the last is not taken.
 _FLOW_TOLERANCE, _STEP_TOLERANCE, _LEAST_STEP = 1e-11, 1e-7, 1e-10
 # Of the best conductance: less than this is none, but the equations stay solvable.
@@ -198,7 +198,7 @@ class _Network:
         low, high = float(ends.min()), float(ends.max())
         c = self.conductances(p)
         flow = self.flow(c[0] + least, p)
-        for _ in range(_MOST_STEPS):
+        for _ in range(MOST_STEPS):
             mean, tail, head = c + least
             step = self.solve(tail, head, -self.divergence(mean * self.drops(p)))
             new = np.clip(p + step, low, high)

@@ -10,15 +10,16 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, IntArray
+from leak.arrays import LARGEST_LOG, FloatArray, IntArray
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
 from leak.flow import medium
 from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve, divide_stretches, sample_curve, spline_slopes
-from leak.numerics.roots import bisect_roots, root_of_rising
+from leak.numerics.roots import MOST_STEPS, bisect_roots, root_of_rising
 from leak.surfaces.spectrum import PowerSpectrum
+from leak.surfaces.stretched import MOST_STRETCHED
 from leak.theory.interface_law import RoughSurfaceLaw, gap_law
 from leak.theory.own_error import FlowError, flow_error
 from leak.theory.persson import (
@@ -51,14 +52,10 @@ _WIDTHS = ("effective", "plain")
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
 _DISTRIBUTION_REFINEMENT = 8
-# Grooves longer than this, over their width, are as good as endless; above 1e6 rounding would show.
-_MOST_STRETCHED = 1000.0
 # Below this p/E* slope moments leave the range of floating-point numbers; separations are long linear in ln p.
 _LEAST_RELATIVE_PRESSURE = 1e-100
 # Below this ln(p/Pa) what acts on a capped surface is in a fixed ratio to p; gaps of the gap law go on much further.
 _LEAST_LOG_PRESSURE, _WIDEST_LOG_PRESSURE = -600.0, -1e5
-# Above this ln(p/Pa) no gap is left: from the hardness on what acts has no end.
-_LARGEST_LOG_PRESSURE = 700.0
 
 
 @dataclass(frozen=True)
@@ -149,7 +146,7 @@ class RoughContact:
         if self.separation_width not in _WIDTHS:
             raise SurfaceError(f"separation_width = {self.separation_width!r}: must be one of {_WIDTHS}")
         ratio = positive(SurfaceError, "peklenik", self.peklenik, "-")
-        if not 1.0 / _MOST_STRETCHED <= ratio <= _MOST_STRETCHED:
+        if not 1.0 / MOST_STRETCHED <= ratio <= MOST_STRETCHED:
             raise SurfaceError(f"peklenik = {self.peklenik}: must lie between 0.001 and 1000 [-]")
 
     # ---------------------------------------------------------------- variants
@@ -242,7 +239,8 @@ class RoughContact:
     def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
         """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
         curve, unit = self._equal_gap
-        in_range = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, _LARGEST_LOG_PRESSURE)
+        # from the hardness on, where no gap is left, what acts has no end
+        in_range = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, LARGEST_LOG)
         return curve.value(in_range - unit) + unit + (log_pressure - in_range)
 
     @cached_property
@@ -826,7 +824,7 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
         return bearing, elastic.sealing_pressure
     # ubar is convex in ln p: from the second on Newton's steps stay on one side
     log_p = np.log(_USUAL_BEARING * elastic.effective_modulus * elastic.spectrum.rms_slope)
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(MOST_STEPS):
         p = np.exp(np.array([log_p]))
         separation = elastic._mean(p, elastic._roughness_at(p))
         step = float((separation.mean[0, 0] - gap) / separation.decay[0, 0])
@@ -837,7 +835,7 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
 
 
 # Bearing pressures are 0.4 to 7 % of E* h'; after a step in ln p this small Newton's method is at rounding.
-_USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
+_USUAL_BEARING, _CLOSE = 0.02, 1e-6
 
 # The gap law has the gap at which the paper's theory seals within a factor of this.
 _MOST_SEALING = 4.0

@@ -16,11 +16,10 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import ProfileError
 from leak.flow.leak_result import LandFlow, LeakResult
+from leak.numerics.roots import MOST_STEPS, ROUND_OFF
 
 # Newton's method has arrived when flows differ by less than this share of the largest.
-_CLOSE, _MOST_STEPS = 1e-12, 60
-# Of the higher pressure: a step that is none.
-_ROUND_OFF = 4 * np.finfo(float).eps
+_CLOSE = 1e-12
 # Of the pressure difference: step of the difference quotient.
 _STEP = 1e-6
 
@@ -175,7 +174,7 @@ def _inner_pressures(flows: Sequence[Flow], first: float, last: float) -> list[f
         return [float(value) for value in p[1:-1]]
     low, high = min(first, last), max(first, last)
     p[-1], step = last, _STEP * (high - low)
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         flow = np.array([f(a, b) for f, (a, b) in zip(flows, pairwise(p.tolist()), strict=True)])
         imbalance = flow[:-1] - flow[1:]
         if np.abs(imbalance).max() <= _CLOSE * np.abs(flow).max():
@@ -191,7 +190,7 @@ def _inner_pressures(flows: Sequence[Flow], first: float, last: float) -> list[f
         new = p[1:-1] - np.linalg.solve(slope, imbalance)
         # at most half of the way to an end
         new = np.where(new < low, 0.5 * (low + p[1:-1]), np.where(new > high, 0.5 * (high + p[1:-1]), new))
-        is_at_rest = np.abs(new - p[1:-1]).max() <= _ROUND_OFF * high
+        is_at_rest = np.abs(new - p[1:-1]).max() <= ROUND_OFF * high
         p[1:-1] = new
         if is_at_rest:
             break

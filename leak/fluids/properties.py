@@ -22,7 +22,7 @@ from typing import Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import LARGEST_LOG, FloatArray
 from leak.errors import FluidError, positive
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
 from leak.numerics.integrals import gauss, gauss_panels
@@ -399,12 +399,8 @@ class Roelands:
         return _density_ratio(self.compression, pressure)
 
 
-# ln of a viscosity ratio beyond which it would not be a number.
-_SOLID = 200.0
-
-
 def _exponential(log_ratio: FloatArray) -> FloatArray:
-    return np.asarray(np.exp(np.minimum(log_ratio, _SOLID)))
+    return np.asarray(np.exp(np.minimum(log_ratio, LARGEST_LOG)))
 
 
 def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
@@ -529,7 +525,7 @@ class FlowPotential:
         return float(first), float(last)
 
 
-_potential = lru_cache(maxsize=64)(FlowPotential)
+_potential = lru_cache(FlowPotential)
 
 
 @lru_cache(maxsize=64)

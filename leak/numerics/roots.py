@@ -9,8 +9,9 @@ import numpy as np
 
 from leak.arrays import BoolArray, FloatArray
 
-_MOST_STEPS = 100
-_ROUND_OFF = 4.0 * sys.float_info.epsilon
+# An iteration that has not ended by then has no solution: those that have one need a tenth.
+MOST_STEPS = 200
+ROUND_OFF = 4.0 * sys.float_info.epsilon
 
 
 def root_of_rising(
@@ -52,7 +53,7 @@ def root_of_rising(
         at_last, step = function(last), 4.0 * step
     left, right = min(x_before, last), max(x_before, last)
     longest = previous = 2.0 * (right - left)
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         if at_last > 0.0:
             right = last
         else:
@@ -114,7 +115,7 @@ def newton_between(
         The last step is no longer.
     """
     x = start
-    for _ in range(60):
+    for _ in range(MOST_STEPS):
         value, slope = function(x)
         low, high = np.where(value < 0.0, x, low), np.where(value < 0.0, high, x)
         newton = x - value / slope
@@ -131,7 +132,7 @@ def root_between(
     high: float,
     *,
     xtol: float = 2e-12,
-    rtol: float = _ROUND_OFF,
+    rtol: float = ROUND_OFF,
 ) -> float:
     """Root of a function that has other signs at two ends, by Brent's method; nothing holds the function afterwards.
 

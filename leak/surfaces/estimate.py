@@ -16,6 +16,7 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import ScanError, um
 from leak.numerics.integrals import power_law_moment, slopes
+from leak.numerics.roots import MOST_STEPS
 from leak.surfaces.periodogram import Evidence, Periodogram, evidence, periodogram, pool_scans
 from leak.surfaces.scans import (
     FoundOutliers,
@@ -26,9 +27,10 @@ from leak.surfaces.scans import (
     without_outliers,
 )
 from leak.surfaces.self_affine_fit import RollOff, fit_rolloff
+from leak.surfaces.spectrum import LEAST_RANGE
 
-# Nodes of the spectrum per decade of q, and how far the fit looks beyond the shortest wave: oblique waves that are
-# shorter show up in a line scan, too.
+# Nodes of the spectrum per decade of q, and bins in which its end is looked for; and how far the fit looks beyond the
+# shortest wave: oblique waves that are shorter show up in a line scan, too.
 _PER_DECADE = 10
 _REACH_BEYOND = 10.0
 _FINE = 0.02
@@ -147,7 +149,6 @@ _BEND = 0.25
 _RISE = 0.4
 # The variance of the scans is known better than any single long wave: to this relative accuracy.
 _VARIANCE = 2e-3
-_MOST_STEPS = 200
 _LEAST_GAIN = 1e-6
 
 
@@ -201,7 +202,7 @@ def fit_spectrum(
 
     log_C = _start(np.log(nodes), evidence)
     state = terms(log_C)
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         step = -np.linalg.solve(state.curvature, state.gradient)
         step *= min(1.0, 3.0 / float(np.abs(step).max()))
         expected_gain = -float(state.gradient @ step)
@@ -300,13 +301,9 @@ def _hat_functions(log_q: FloatArray, log_nodes: FloatArray) -> FloatArray:
 
 # -------------------------------------------------------------------- the reliable range
 
-# Bins per decade in which the end of a spectrum is looked for.
-_BINS_PER_DECADE = 10
 # Waves this weak against the strongest one are not there at all; and where the mean power in bins falls by more than
 # this from one to the next, never to return, the heights were filtered or calculated.
 _NO_POWER, _SHARP = 1e-9, 1e-3
-# A spectrum needs two octaves.
-_LEAST_RANGE = 4.0
 
 
 @dataclass(frozen=True)
@@ -332,7 +329,7 @@ def reliable_range(scan: Topography, modes: Periodogram, settings: ScanSettings)
         limits["tip radius"] = _tip_limit(modes, tip)
     limit = min(limits, key=lambda name: limits[name])
     low, high = max(2.0 * np.pi / scan.length, modes.wavenumber[present[0]]), limits[limit]
-    if high < _LEAST_RANGE * low:
+    if high < LEAST_RANGE * low:
         raise ScanError(
             f"{scan.name or 'scan'}: nothing reliable is left between its length, {um(scan.length)}, and the "
             f"shortest wave, {um(2 * np.pi / high)} ({limit})"
@@ -354,7 +351,7 @@ def _sharp_end(modes: Periodogram) -> float | None:
     A spectrum that ends within the range of the fit would make it ring.
     """
     q, power = modes.wavenumber, modes.power
-    edges = np.geomspace(q[0], q[-1], max(int(_BINS_PER_DECADE * np.log10(q[-1] / q[0])), 1) + 1)
+    edges = np.geomspace(q[0], q[-1], max(int(_PER_DECADE * np.log10(q[-1] / q[0])), 1) + 1)
     bins = np.clip(np.searchsorted(edges, q, side="right") - 1, 0, edges.size - 2)
     count = np.bincount(bins, minlength=edges.size - 1)
     mean = np.bincount(bins, power, minlength=edges.size - 1)[count > 0] / count[count > 0]

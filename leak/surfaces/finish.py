@@ -24,7 +24,7 @@ from leak.surfaces.profile_parameters import (
     expected_roughness,
     implied_filter,
 )
-from leak.surfaces.spectrum import PowerSpectrum
+from leak.surfaces.spectrum import LEAST_RANGE, PowerSpectrum
 
 Lay = Literal["none", "circular", "radial", "straight", "crossed"]
 Parameter = Literal["Ra", "Rq", "Rz"]
@@ -101,8 +101,6 @@ class Process:
 SHORTEST_WAVE = Spread(0.1e-6, 0.5e-6, 2.5e-6)
 # Machining leaves no steeper surfaces on average: a roll-off shorter than this many Rq would.
 _FLATTEST = 40.0
-# A self-affine range of less than this factor is none.
-_LEAST_RANGE = 4.0
 # Directions over which a lay is averaged.
 _DIRECTIONS = 2000
 # Most nodes of the average around each end of a power law, and their distance in ln q where fewer do.
@@ -279,7 +277,7 @@ class Finish:
         shortest = at["q_high"] / factors.get("q_high", 1.0)
         hurst = min(max(at["hurst"] * factors.get("hurst", 1.0), 0.01), 1.0)
         if self.q_high is None:
-            shortest = min(shortest, rolloff / _LEAST_RANGE)
+            shortest = min(shortest, rolloff / LEAST_RANGE)
         longest = max(self.band.lambda_c, rolloff) if self.q_low is None else 2.0 * math.pi / self.q_low
         if factors:
             rolloff = min(max(rolloff, shortest), longest)

@@ -29,7 +29,6 @@ _ON_THE_LIMIT = 1.0 + 1e-9
 SECTIONS = 5
 # Pieces of ln q, nodes in each, and directions of the quadrature: 1e-4 of the height of any self-affine spectrum.
 _PIECE, _NODES, _ANGLES = 0.35, 5, 256
-_EULER = 0.5772156649015329
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,7 @@ class ExpectedRoughness:
         A. G. Davenport, Proc. Inst. Civ. Eng. 28, 187 (1964).
         """
         reach = math.sqrt(2.0 * math.log(max(self.waves, 2.0)))
-        return 2.0 * self.Rq * (reach + _EULER / reach)
+        return 2.0 * self.Rq * (reach + np.euler_gamma / reach)
 
     def value(self, parameter: str) -> float:
         """One of them by its name, "Ra", "Rq" or "Rz" [m]."""

@@ -14,8 +14,9 @@ from leak.surfaces.spectrum import PowerSpectrum
 # Spacing in ln q of the average, and of the pieces of the angular integral.
 _SPACING, _PIECE = 0.02, 0.4
 _ANGLE_NODES = 8
-# The two spectra are compared on this many wavenumbers, over stretches of at most this factor.
-_COMPARED_NODES, _MOST_STRETCHED = 200, 1000.0
+# Grooves longer than this, over their width, are as good as endless; above 1e6 rounding would show.
+# The two spectra are compared on this many wavenumbers.
+MOST_STRETCHED, _COMPARED_NODES = 1000.0, 200
 # At least this much of ln q must remain common to both.
 _LEAST_OVERLAP = 1.0
 
@@ -139,7 +140,7 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
     """
     from scipy.optimize import minimize_scalar
 
-    limit = np.log(_MOST_STRETCHED)
+    limit = np.log(MOST_STRETCHED)
     room = min(np.log(along.q_high / across.q_low), np.log(across.q_high / along.q_low)) - _LEAST_OVERLAP
     common = min(along.q_high, across.q_high) / max(along.q_low, across.q_low)
     if not room > 0.0 or np.log(common) < _LEAST_OVERLAP:

@@ -28,7 +28,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import LARGEST_LOG, FloatArray
 from leak.errors import LawError, SurfaceError, as_arrays, check_each, positive
 from leak.numerics.curves import MonotoneCurve, divide_stretches, shape_preserving_slopes, spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
@@ -230,9 +230,6 @@ def stiff_steps(
             table = row
         v = table[-1]
     return v
-
-
-_LARGEST_LOG = 709.0
 
 
 @dataclass(frozen=True)
@@ -445,4 +442,4 @@ class RoughSurfaceLaw:
 
 def _exp(log_pressure: FloatArray) -> FloatArray:
     """Exponential that saturates instead of overflowing."""
-    return np.exp(np.minimum(log_pressure, _LARGEST_LOG))
+    return np.exp(np.minimum(log_pressure, LARGEST_LOG))

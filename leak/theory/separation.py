@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leak.arrays import FloatArray, IntArray
+from leak.arrays import LARGEST_LOG, FloatArray, IntArray
 from leak.numerics.integrals import gauss, integrals_up_to_nodes
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import FULL_CONTACT, area_argument, moment_of_all, separations
@@ -34,8 +34,6 @@ _LEAST_WEIGHT = 1e-13
 # Magnifications whose Gaussians are added up together, and how many sqrt(2) widths from its centre one is followed: to
 # 1e-16 of its height.
 _NEIGHBOURS, _REACH = 48, 6.07
-# Where exp(-x) is nothing beside anything.
-_NEXT_TO_NONE = 700.0
 
 
 class MagnificationNodes(NamedTuple):
@@ -287,7 +285,7 @@ def density(loss: LostArea, separation: FloatArray) -> FloatArray:
 
 def _gaussian(x: FloatArray) -> FloatArray:
     """exp(-x^2); numbers that are next to none are slow."""
-    return np.exp(-np.minimum(x * x, _NEXT_TO_NONE))
+    return np.exp(-np.minimum(x * x, LARGEST_LOG))
 
 
 @dataclass(frozen=True)
