@@ -153,7 +153,7 @@ class _Outlook:
         skip = settings is None or "rms_height" in settings.spreads
         return None if skip or "rms_height" not in self.draws.values else measured_profiles(self.seal.case)
 
-    @cached_property
+    @property
     def per_height(self) -> float:
         """By how much the uncertain ln h, of finishes the mean over the faces, changes with that of the gap."""
         if self.profiles is None:

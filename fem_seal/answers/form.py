@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
@@ -212,13 +212,13 @@ class _FormLoad:
         """Without scratches: they are a question of their own."""
         return replace(self.circumference.form, grooves=())
 
-    @cached_property
+    @property
     def leaks(self) -> LeakCurve | None:
         """Leak rate over the line load, the same for every form error."""
         flow = None if self.load.rough is None else self.load.rough.at(self.load.fluid_pressure)
         return None if flow is None else LeakCurve(self.circumference.local, flow)
 
-    @cached_property
+    @property
     def others(self) -> dict[str, _FormLoad]:
         """In the other readings of yielding asperities."""
         return {name: _FormLoad(load) for name, load in self.load.others.items()}

@@ -170,7 +170,7 @@ class _Scenario:
             and 0 < scenario.leak.leak_rate < math.inf
         ]
 
-    @cached_property
+    @property
     def profile(self) -> PressureProfile:
         """At the pressures of first loading that leave the same gaps."""
         assert self.rough.table is not None  # the load leaks

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import islice
 
 import numpy as np
@@ -107,7 +106,7 @@ class QuickSamples:
     runs: FloatArray = field(repr=False)
     tried_count: int = 0
 
-    @cached_property
+    @property
     def plan(self) -> Plan:
         """What it has in common with other seals."""
         return Plan.of(self.samples.scores)

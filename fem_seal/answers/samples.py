@@ -355,7 +355,7 @@ class Samples:
         """Factors (samples, 1) or weights (samples, scans) of each input."""
         return drawn_values(self.inputs, self.uniform)
 
-    @cached_property
+    @property
     def viscosity(self) -> FloatArray:
         """Factor of the viscosity of each sample, shape (samples,)."""
         return self.values.get("viscosity", np.ones((len(self.uniform), 1)))[:, 0]

@@ -382,7 +382,7 @@ class _ChangedSeal:
         # remarks are about heights that are not usual for their process
         return not (finish and change.problems(factor)[0].origin.remarks)
 
-    @cached_property
+    @property
     def _not_drawn(self) -> tuple[str, ...]:
         """Keys of what nobody can order; an alloy of the library, as the softer body, has its hardness."""
         materials = (self.result.case.closure.material, self.result.case.lower.material)
@@ -448,7 +448,7 @@ class _ChangedSeal:
         for path, value in heights.items() if len(heights) > 1 else ():
             yield _Change(path, 1.0 / _TWO, partial(self._with_entries, {path: value}, value), before=value)
 
-    @cached_property
+    @property
     def _drawn(self) -> dict[str, float]:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
         roughness = self.case.roughness

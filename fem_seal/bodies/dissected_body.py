@@ -477,7 +477,7 @@ class DissectedBody:
         """Which contact nodes can move both ways, shape (n,)."""
         return np.all(self.fem.free_rows[self.fem.contact_dofs] >= 0, axis=0)
 
-    @cached_property
+    @property
     def _turned_rows(self) -> IntArray:
         """Rows of the free dofs that are turned to normal and tangent, shape (2, turned)."""
         return self.fem.free_rows[self.fem.contact_dofs[:, self._turned_nodes]]
@@ -488,7 +488,7 @@ class DissectedBody:
         turned_dofs = self.fem.contact_dofs[0, self._turned_nodes]
         return np.asarray(np.isin(element_dofs(self.fem.mesh), turned_dofs).any(axis=1))
 
-    @cached_property
+    @property
     def _number(self) -> IntArray:
         """Number of each element among those with a turned node."""
         return np.cumsum(self._elements_of_turned_nodes) - 1

@@ -10,7 +10,7 @@ the strain at the vertex, and its slopes give those on the edges between.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,7 +55,6 @@ def without_free_strain(
     return stress - restraint[:, None] * [1.0, 1.0, 1.0, 0.0]
 
 
-@cache
 def quadrature() -> tuple[FloatArray, FloatArray]:
     """Points (2, q) and weights (q,) in the reference triangle, exact for constant strain times r."""
     from skfem.quadrature import get_quadrature

@@ -243,7 +243,7 @@ class ElastoplasticBody:
         shapes = self.strain_shapes[elements]
         return elasticity.contract(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
 
-    @cached_property
+    @property
     def nodal_average(self) -> csr_matrix:
         """From values at the quadrature points to the quadratic nodes, shape (nodes, elements * points).
 

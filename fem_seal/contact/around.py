@@ -93,7 +93,7 @@ class Stiffening:
         bend = (share * parabola) @ opening / ((share * parabola) @ parabola)
         return np.array([share @ opening - self._half_spaces(n), bend / n])
 
-    @cached_property
+    @property
     def _harmonics(self) -> list[int]:
         """Harmonics from the second on to which the bodies are asked: all up to 6, then half as many waves again.
 

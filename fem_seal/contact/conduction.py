@@ -30,6 +30,7 @@ from fem_seal.bodies.elasticity import (
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
+from leak.numerics.integrals import gauss
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,7 +44,6 @@ BODIES = ("closure", "seat")
 _PERFECT = 1e3
 # Conductivities that depend on the temperature: change of the field between two solutions [K].
 _SAME, _MOST_STEPS = 1e-8, 50
-_GAUSS = np.polynomial.legendre.leggauss(3)
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class _Body:
         """int 2 pi r T v over a face [m^2]; zero where the body has no such face."""
         facets = (self.mesh.boundaries or {}).get(f"{self.name}_{face}", np.zeros(0, dtype=np.int64))
         (start, end), p = self.mesh.facets[:, facets], self.mesh.p
-        shares, weights = 0.5 + 0.5 * _GAUSS[0], 0.5 * _GAUSS[1]
+        shares, weights = 0.5 + 0.5 * gauss(3)[0], 0.5 * gauss(3)[1]
         shapes = edge_shapes(shares)
         radius = p[0, start, None] + (p[0, end] - p[0, start])[:, None] * shares
         area = 2 * np.pi * radius * np.hypot(*(p[:, end] - p[:, start]))[:, None] * weights

@@ -38,13 +38,11 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.processes import single_threaded
 from fem_seal.wording import Quantity
+from leak.numerics.integrals import gauss
 from meshes import ContactGeometry, SealMesh
 
 if TYPE_CHECKING:
     from skfem import MeshTri
-
-
-_GAUSS = np.polynomial.legendre.leggauss(3)
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ class ContactLine:
     in_hollow: ContactGeometry | None = field(default=None, repr=False)
     chambers: tuple[float, ...] = ()
 
-    @cached_property
+    @property
     def lands(self) -> tuple[tuple[slice, tuple[float | None, float | None]], ...]:
         """Points of each land, from the axis outwards, and x between which its faces stand in front of each other."""
         cuts = [0, *np.searchsorted(self.x, self.chambers).tolist(), len(self.x)]
@@ -371,7 +369,7 @@ def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArr
     """Three Gauss points on each contact facet of the seat, their weights over x, and the ends of the facets."""
     vertices = np.unique(seal_mesh.contact.coordinate(*_boundary_vertices(seal_mesh.seat, "seat_contact")))
     middle, half = 0.5 * (vertices[1:] + vertices[:-1]), 0.5 * np.diff(vertices)
-    points, weights = _GAUSS
+    points, weights = gauss(3)
     return (middle[:, None] + half[:, None] * points).ravel(), (half[:, None] * weights).ravel(), vertices
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -321,7 +320,7 @@ class _Rows:
         """-du/d ln p [m], each row by its own law."""
         return np.stack([law.decay_length(row) for law, row in zip(self.laws, log_pressure, strict=True)])
 
-    @cached_property
+    @property
     def softest(self) -> FloatArray:
         """f_N/(pi E*), shape (rows, 1) [m]."""
         model = self.model

@@ -456,7 +456,7 @@ class _Step:
             displacements[name] = at_rest[name] + loads.displacement(linear.bodies[name], linear, forces)
         return displacements
 
-    @cached_property
+    @property
     def _free_strain(self) -> dict[str, FloatArray | float]:
         """Strain of each body at its quadrature points that takes no stress."""
         strains: dict[str, FloatArray | float] = {}

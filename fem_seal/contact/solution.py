@@ -215,7 +215,7 @@ class ContactSolution:
 
         return tuple(profile_on(land, reach) for land, reach in line.lands)
 
-    @cached_property
+    @property
     def whole_profile(self) -> PressureProfile:
         """All of the contact as one profile."""
         return join_lands(self.profiles)

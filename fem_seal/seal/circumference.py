@@ -131,7 +131,7 @@ class Circumference:
         """Highest contact pressure at each angle [Pa]."""
         return self.local.peak_pressure(self.line_load, self.bend)
 
-    @cached_property
+    @property
     def fwhm(self) -> FloatArray:
         """Full width at half maximum at each angle [m]."""
         return self.local.fwhm(self.line_load)

@@ -236,7 +236,7 @@ class DirectSimulation:
         """Of the patch [m]."""
         return self.patch.grid_spectrum.rms_height if self.heights is None else float(np.std(self.heights))
 
-    @cached_property
+    @property
     def gap_edges(self) -> FloatArray:
         """Between which gaps are counted together [m]."""
         return np.linspace(0.0, _WIDEST * self.rms_height, _CLASSES + 1)

@@ -11,7 +11,6 @@ import hashlib
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -217,7 +216,7 @@ class SealRow:
         chain_rate = self.chain_held
         return self.leak_rate * self.place.leak_rate / chain_rate if chain_rate > 0.0 else math.nan
 
-    @cached_property
+    @property
     def measures(self) -> tuple[float, float]:
         """Peak pressure [Pa] and FWHM [m] of the Gaussian with the line load and standard deviation of the pressure.
 

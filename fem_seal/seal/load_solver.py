@@ -366,7 +366,7 @@ class LoadSolver:
             return self._first_seal
         return replace(self._first_seal, path=self._path.after_load(earlier.pressure))
 
-    @cached_property
+    @property
     def _first_seal(self) -> CoupledContact:
         """The same before any load."""
         at_rest = self.problem.at_rest.body_loads(self.model)

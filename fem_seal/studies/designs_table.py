@@ -114,7 +114,7 @@ class Designs:
             and not _EDGE < (self.successes[name][best[0]] - low) / (high - low) < 1.0 - _EDGE
         ]
 
-    @cached_property
+    @property
     def feasible(self) -> pd.DataFrame:
         """Designs that did not fail and meet all constraints."""
         names = list(self.about["constraints"])
@@ -136,7 +136,7 @@ class Designs:
         counts = self.verdict.value_counts()
         return {str(verdict): int(counts[verdict]) for verdict in Verdict if verdict in counts}
 
-    @cached_property
+    @property
     def worst_reason(self) -> pd.Series:
         """The first reason why a design that did not fail is not simply valid; empty if it is."""
         return self._texts("validity_reasons").str.split("; ").str[0]
@@ -147,7 +147,7 @@ class Designs:
         texts = self.successes.get(name, pd.Series("", index=self.successes.index, dtype=object))
         return texts.fillna("").astype(object)
 
-    @cached_property
+    @property
     def is_outside(self) -> pd.Series:
         """Which designs that did not fail are outside the theory, so that nothing can be claimed of them."""
         return self.validity == Level.OUTSIDE
@@ -168,7 +168,7 @@ class Designs:
         """How many designs meet all constraints and are left out for being outside the theory."""
         return len(self.feasible) - int(self.eligible.sum())
 
-    @cached_property
+    @property
     def violations(self) -> pd.Series:
         """What each design that did not fail violates, in words; empty where it meets all constraints."""
         import pandas as pd

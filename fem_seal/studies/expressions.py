@@ -109,7 +109,7 @@ class Part:
 class _Formula:
     text: str
 
-    @cached_property
+    @property
     def _tree(self) -> ast.expr:
         if len(self.text) > _LONGEST:
             raise ExpressionError(f"is longer than {_LONGEST} characters")

@@ -98,12 +98,12 @@ class StudyResult:
         """Designs that are "done", "failed" and "open"."""
         return self._read(lambda store: store.counts())
 
-    @cached_property
+    @property
     def reasons(self) -> list[tuple[str, int]]:
         """Commonest reasons of failure, with how often they occur."""
         return self._read(lambda store: store.reasons())
 
-    @cached_property
+    @property
     def solve_seconds(self) -> float:
         """Time that the designs took, summed over all workers [s]."""
         return self._read(lambda store: store.solve_seconds())
@@ -116,7 +116,7 @@ class StudyResult:
         designs = self.designs
         return designs.table.loc[designs.best(count)]
 
-    @cached_property
+    @property
     def left_out(self) -> int:
         """How many designs meet all constraints but are left out of the best ones for being outside the theory."""
         return self.designs.left_out

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any
@@ -136,7 +136,7 @@ class DesignSpec:
         }
         return self._files_of_all | {path: self.files[path] for path in values & self.files.keys()}
 
-    @cached_property
+    @property
     def _files_of_all(self) -> dict[str, str]:
         levels = {str(level) for parameter in self.parameters for level in parameter.levels}
         return {path: contents for path, contents in self.files.items() if path not in levels}

@@ -157,7 +157,7 @@ class LayeredHalfSpace:
     def _q(self) -> FloatArray:
         return self._waves[0].ravel()
 
-    @cached_property
+    @property
     def _coupling_mask(self) -> FloatArray:
         """Waves through which plastic strain acts: all but the mean and, odd derivatives having none, the shortest."""
         n, m = self.surface.shape

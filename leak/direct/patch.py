@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -108,7 +107,7 @@ class Patch:
         # the last wave on a grid line, q = 2 pi k/L, must not be lost to rounding
         return max(low, self.spectrum.q_low), 2.0 * np.pi / self.shortest_wavelength * (1.0 + 1e-9)
 
-    @cached_property
+    @property
     def grid_spectrum(self) -> PowerSpectrum:
         """The part of the spectrum that the patch holds."""
         return self.spectrum.between(*self.band)

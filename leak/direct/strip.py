@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -120,7 +119,7 @@ class Strip:
         grid = 2.0 * math.pi * self.points[0] / (self.points_per_wave * self.width) * (1.0 + 1e-9)
         return grid if self.spectrum is None else min(grid, self.spectrum.q_high)
 
-    @cached_property
+    @property
     def grid_spectrum(self) -> PowerSpectrum | None:
         """The spectrum with the waves that the grid can hold; those longer than the strip are not cut here."""
         spectrum = self.spectrum

@@ -431,7 +431,7 @@ class GasConductivityTable:
         smooth = self.log_rarefaction + self._share.y[:, None] * log_f
         return CubicSurface(self._share.x, self.log_inverse_knudsen, smooth)
 
-    @cached_property
+    @property
     def _share(self) -> MonotoneCurve:
         """c over the pressure."""
         x = self._abscissa(np.log(self.liquid.pressure))

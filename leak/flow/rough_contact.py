@@ -243,7 +243,7 @@ class RoughContact:
         in_range = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, LARGEST_LOG)
         return curve.value(in_range - unit) + unit + (log_pressure - in_range)
 
-    @cached_property
+    @property
     def _equal_gap(self) -> tuple[MonotoneCurve, float]:
         """Acting over nominal ln p of elastic asperities, both without their unit, and ln of the unit in Pa."""
         height = self.spectrum.rms_height / self.spectrum.shape.rms_height
@@ -313,7 +313,7 @@ class RoughContact:
             result[harder] = np.exp(bisect_roots(lambda x: self._equivalent(np.exp(x)) < acts, *ends)[1])
         return result
 
-    @cached_property
+    @property
     def _elastic_pressures(self) -> tuple[float, float]:
         """What a capped surface asks of the elastic one: its bearing and its sealing pressure [Pa]."""
         return _bearing_and_sealing(self.elastic)

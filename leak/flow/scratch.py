@@ -516,7 +516,7 @@ class _Contact:
             np.isfinite(contact.gap) & ((contact.gap > 0.0) | (log_p > SMALLEST_LOG_PRESSURE))
         )
 
-    @cached_property
+    @property
     def pressure(self) -> FloatArray:
         """p at the slices [Pa]."""
         return np.exp(self.log_pressure)

@@ -155,7 +155,7 @@ class GasPotential:
         ideal = self._ideal(np.maximum(np.asarray(potential, dtype=float), 0.0))
         return ideal if self.real is None else self._over_ideal[1].value(ideal)
 
-    @cached_property
+    @property
     def at_highest(self) -> float:
         """w at the highest pressure [Pa^2]."""
         return float(self(self.highest))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -327,12 +326,8 @@ def remarks_on_range(
 
 
 def _remark(name: str, **values: float | str) -> str:
-    return _remarks()[name].format(**values)
-
-
-@lru_cache(maxsize=1)
-def _remarks() -> dict[str, str]:
-    return own_tables("leak.surfaces", "remarks.toml")
+    text: str = own_tables("leak.surfaces", "remarks.toml")[name]
+    return text.format(**values)
 
 
 def _length(value: float) -> str:

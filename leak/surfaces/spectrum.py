@@ -381,7 +381,7 @@ class PowerSpectrum:
         last = self._log_C[self._last_piece + 1] + 4.0 * self._log_q[self._last_piece + 1]
         return total if np.exp(last) > _FAINT * total else total * (1.0 - 0.1 * _FAINT)
 
-    @cached_property
+    @property
     def break_moments(self) -> FloatArray:
         """Slope moments M at the nodes where a quadrature should be split, ends included, increasing [-]."""
         real = np.flatnonzero(self._length > 0.0)
@@ -450,7 +450,7 @@ class PowerSpectrum:
     def _piece_of(self, q: FloatArray) -> IntArray:
         return np.minimum(np.maximum(self.wavenumber.searchsorted(q, side="right") - 1, 0), self._last_piece)
 
-    @cached_property
+    @property
     def _last_piece(self) -> int:
         return int(np.flatnonzero(self._length > 0.0)[-1])
 
@@ -471,7 +471,7 @@ class PowerSpectrum:
     def _log_C(self) -> FloatArray:
         return np.log(self.density)
 
-    @cached_property
+    @property
     def _length(self) -> FloatArray:
         return self._log_q[1:] - self._log_q[:-1]
 
@@ -479,7 +479,7 @@ class PowerSpectrum:
     def _slope(self) -> FloatArray:
         return slopes(self._log_q, self._log_C)
 
-    @cached_property
+    @property
     def _slope_exponent(self) -> FloatArray:
         return not_zero(4.0 + self._slope)
 
@@ -487,12 +487,12 @@ class PowerSpectrum:
     def _slope_scale(self) -> FloatArray:
         return np.exp(self._log_C[:-1] + 4.0 * self._log_q[:-1])
 
-    @cached_property
+    @property
     def _growth_rate(self) -> FloatArray:
         """What a rise of M from the start of a piece is times, to be exp(exponent x rise of ln q) - 1."""
         return self._slope_exponent / self._slope_scale
 
-    @cached_property
+    @property
     def _inverse_exponent(self) -> FloatArray:
         return 1.0 / self._slope_exponent
 
@@ -501,7 +501,7 @@ class PowerSpectrum:
         steps = self._slope_scale * power_integral(self._slope_exponent, self._length)
         return np.concatenate([[0.0], np.cumsum(steps)])
 
-    @cached_property
+    @property
     def _height_above(self) -> FloatArray:
         steps = np.exp(self._log_C[:-1] + 2.0 * self._log_q[:-1]) * power_integral(
             2.0 + self._slope, self._length

@@ -461,7 +461,7 @@ class ContactGeometry:
             inner_end, end = float(x[max(first - 1, 0)]), float(x[first])
         return inner_end
 
-    @cached_property
+    @property
     def breaks(self) -> FloatArray:
         """x at which one of the two faces has a corner or bends differently from there on [m], increasing."""
         seat_bends = self.seat_face.bends - self._origin

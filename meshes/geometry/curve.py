@@ -156,7 +156,7 @@ class Curve:
         """Arc lengths at which segments begin and end [m], zero and the whole length included."""
         return np.concatenate([[0.0], np.cumsum(self._lengths)])
 
-    @cached_property
+    @property
     def bends(self) -> FloatArray:
         """Inner breaks [m] with a corner or a jump of curvature; not the joints of arcs that follow a smooth curve."""
         k, size = self._curvature, self.length
@@ -173,7 +173,7 @@ class Curve:
         """Length of the chain [m]."""
         return float(self.breaks[-1])
 
-    @cached_property
+    @property
     def is_straight(self) -> bool:
         """Whether the whole chain is one straight line."""
         ends = np.array([self.segments[0].start, self.segments[-1].end])

@@ -252,7 +252,7 @@ class SealMesh:
         """Both bodies, not connected, with all boundaries and the subdomains "closure" and "seat"."""
         return join_bodies([("closure", self.closure), ("seat", self.seat)])
 
-    @cached_property
+    @property
     def quality(self) -> Quality:
         """Shape of the elements and error of the areas."""
         from meshes.mesh.triangles import section_area, triangle_shape
