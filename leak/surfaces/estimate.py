@@ -19,6 +19,7 @@ from leak.numerics.integrals import power_law_moment, slopes
 from leak.numerics.roots import MOST_STEPS
 from leak.surfaces.periodogram import Evidence, Periodogram, evidence, periodogram, pool_scans
 from leak.surfaces.scans import (
+    LEAST_RANGE,
     FoundOutliers,
     ScanSettings,
     SelfAffineContinuation,
@@ -27,7 +28,6 @@ from leak.surfaces.scans import (
     without_outliers,
 )
 from leak.surfaces.self_affine_fit import RollOff, fit_rolloff
-from leak.surfaces.spectrum import LEAST_RANGE
 
 # Nodes of the spectrum per decade of q, and bins in which its end is looked for; and how far the fit looks beyond the
 # shortest wave: oblique waves that are shorter show up in a line scan, too.

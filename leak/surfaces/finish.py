@@ -24,7 +24,8 @@ from leak.surfaces.profile_parameters import (
     expected_roughness,
     implied_filter,
 )
-from leak.surfaces.spectrum import LEAST_RANGE, PowerSpectrum
+from leak.surfaces.scans import LEAST_RANGE
+from leak.surfaces.spectrum import PowerSpectrum
 
 Lay = Literal["none", "circular", "radial", "straight", "crossed"]
 Parameter = Literal["Ra", "Rq", "Rz"]

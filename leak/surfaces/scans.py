@@ -19,6 +19,8 @@ Window = Literal["hann", "none"]
 WINDOWS: tuple[str, ...] = get_args(Window)
 
 FEWEST_POINTS = 16
+# A range of wavenumbers of less than two octaves is none.
+LEAST_RANGE = 4.0
 # Bridged by straight lines, gaps in up to this share of a scan hardly change its spectrum; from the larger share
 # on there is no scan.
 _NARROW, _WIDE = 0.05, 0.2

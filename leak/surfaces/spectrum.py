@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 # What a spectrum of heights can hold, and no more: densities and wavenumbers stand in products of their powers.
 _WAVENUMBERS, _DENSITIES = (1e-9, 1e18), (1e-300, 1e30)
-# A range of wavenumbers of less than two octaves is none.
-LEAST_RANGE = 4.0
 # A sum of two power laws is no power law; its log-log interpolant is made as good as this.
 _SUM_ERROR = 2e-5
 # Between two spectra that do not meet there is nothing; a log-log interpolant needs a positive number for it.
