@@ -16,10 +16,9 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, errors_in
 from fem_seal.processes import returned_memory
 from fem_seal.seal.problem import problems_of
-from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,15 +97,13 @@ class SealResult(SealSolution):
     def __repr__(self) -> str:
         from fem_seal.output.notebook import result_text
 
-        with shown_in(self.case.display):
-            return f"<{type(self).__name__} of {result_text(self)}>"
+        return f"<{type(self).__name__} of {result_text(self)}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of the loads, leak rates and pressure profiles."""
         from fem_seal.output.notebook import result_html
 
-        with shown_in(self.case.display):
-            return result_html(self)
+        return result_html(self)
 
     def __dir__(self) -> list[str]:
         return sorted(
@@ -162,7 +159,7 @@ class SealResult(SealSolution):
         from fem_seal.output.files import write
         from fem_seal.output.folders import folder_lock
 
-        with folder_lock(Path(folder)), returned_memory(), shown_in(self.case.display):
+        with folder_lock(Path(folder)), returned_memory():
             for failure in write(self, Path(folder), full=full, all_columns=all_columns):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -184,7 +181,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.report.page import write_report
 
-        with returned_memory(), shown_in(self.case.display):
+        with returned_memory():
             return write_report(self, Path(path), full=full)
 
     @overload
@@ -239,10 +236,9 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.plots import plot, result_figure
 
-        with shown_in(self.case.display):
-            if ax is None and (what is None or not isinstance(what, str)):
-                return result_figure(self, what or figure)
-            return plot(self, what if isinstance(what, str) else None, ax)
+        if ax is None and (what is None or not isinstance(what, str)):
+            return result_figure(self, what or figure)
+        return plot(self, what if isinstance(what, str) else None, ax)
 
     def view(self, png: str | os.PathLike[str] | None = None, load: int | None = None) -> None:
         """Show the seal in space, cut open, with the contact pressure on the seat's face.
@@ -273,7 +269,7 @@ class SealResult(SealSolution):
 
         from fem_seal.output.pictures.three_d import view, write_for_view
 
-        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(self.case.display):
+        with TemporaryDirectory(prefix="fem-seal-") as folder:
             write_for_view(self, Path(folder))
             view(Path(folder), None if png is None else Path(png), load, self.case.display)
 
@@ -338,7 +334,7 @@ def run(
     192 MPa
     """
     case = case_of(case)
-    with returned_memory(), shown_in(case.display):
+    with returned_memory(), errors_in(case.display):
         solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force, full=full)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 

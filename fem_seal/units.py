@@ -9,16 +9,14 @@ import difflib
 import math
 import re
 import tomllib
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, lru_cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_seal.errors import QuantityError, SealError
+from fem_seal.errors import QuantityError
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -447,8 +445,7 @@ class Display:
         if first in _PLAIN and not rest:
             return _PLAIN[first](value, *digits)
         if first == "fixed":
-            unit = self.fixed_unit(" ".join(rest))
-            return f"{round_digits(unit.of(value), *digits or [DIGITS]):.{_MOST_DIGITS}g} {unit.name}"
+            return self.fixed_quantity(" ".join(rest), value, *digits)
         if first == "short":
             return self.quantity(round_digits(value, DIGITS), " ".join(["given", *rest]))
         given, worth = first == "given", first == "worth"
@@ -574,43 +571,6 @@ class Display:
         """
         state = self.state_of(volume)
         return replace(unit, name=f"{unit.name} at {state}") if state else unit
-
-
-_FIELD = Display()
-_shown: ContextVar[Display] = ContextVar("_shown", default=_FIELD)
-
-
-@contextmanager
-def shown_in(display: Display) -> Iterator[None]:
-    """Texts that are made meanwhile are shown so."""
-    before = _shown.set(display)
-    try:
-        yield
-    except SealError as error:
-        error.display = error.display or _shown.get()
-        raise
-    finally:
-        _shown.reset(before)
-
-
-def show_in(display: Display) -> None:
-    """Texts that are made from now on are shown so, up to the end of the `shown_in` around it."""
-    _shown.set(display)
-
-
-def current_display() -> Display:
-    """That of the `shown_in` around."""
-    return _shown.get()
-
-
-def unit_for(kind: str, value: float) -> Unit:
-    """See `Display.unit_for`."""
-    return _shown.get().unit_for(kind, value)
-
-
-def fixed_unit(name: str) -> Unit:
-    """See `Display.fixed_unit`."""
-    return _shown.get().fixed_unit(name)
 
 
 # Of the leak rates in a table of the terminal.
@@ -774,42 +734,15 @@ def format_at_limit(value: float, limit: float, digits: int) -> str:
     return f"{round_digits(value, digits_at_limit(value, limit, digits)):.{_MOST_DIGITS}g}"
 
 
-def fixed_quantity(name: str, value: float, digits: int = DIGITS) -> str:
-    """An SI value in a `fixed_unit` with some significant digits, without zeros at its end and never in powers of ten.
-
-    Examples
-    --------
-    >>> fixed_quantity("MPa", 12.7346e9), fixed_quantity("um", 3.67e-4, 2)
-    ('12730 MPa', '370 um')
-    """
-    unit = fixed_unit(name)
-    return f"{round_digits(unit.of(value), digits):.{_MOST_DIGITS}g} {unit.name}"
-
-
 def superscript(power: int) -> str:
     """An integer in raised digits."""
     return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def quantity(kind: str, value: float | None, digits: int = 3) -> str:
-    """An SI value with the unit that suits it: "0.307 mm"; "–" for none."""
-    return _shown.get().quantity(value, f"{kind} {digits}")
-
-
-def format_quantity(kind: str, value: float, digits: int = 6) -> str:
-    """An SI value as it was probably written in the input: "20 bar", without zeros that nobody wrote."""
-    return _shown.get().quantity(value, f"given {kind} {digits}")
 
 
 def trim_zeros(value: float, digits: int = 6) -> str:
     """A number with up to so many significant digits and no trailing zeros."""
     text, *power = number(value, digits).split("·")
     return "·".join([text.rstrip("0").rstrip(".") if "." in text else text, *power])
-
-
-def quantity_worth(kind: str, value: float, digits: int) -> str:
-    """The same with no more significant digits than it is worth; of those behind the point three at most."""
-    return _shown.get().quantity(value, f"worth {kind} {digits}")
 
 
 def _sentence_number(value: float, digits: int) -> str:
@@ -879,18 +812,6 @@ def range_text(low: str, high: str) -> str:
     ('1.2 to 5.6', '1.2')
     """
     return low if low == high else f"{low} to {high}"
-
-
-def leak_range_text(
-    leak_rate: float | tuple[float, float],
-    digits: int = 3,
-    *,
-    claimed: bool = True,
-    beside: Collection[float] = (),
-    volume: LeakVolume = LIQUID,
-) -> str:
-    """See `Display.leak_range`."""
-    return _shown.get().leak_range(leak_rate, digits, claimed=claimed, beside=beside, volume=volume)
 
 
 def percent(share: float | None, digits: int = 2) -> str:
@@ -996,11 +917,6 @@ _PLAIN: dict[str, Callable[..., str]] = {
     "trimmed": trim_zeros,
     "worth": format_digits,
 }
-
-
-def format_value(value: Any, how: str) -> str:
-    """See `Display.quantity`."""
-    return _shown.get().quantity(value, how)
 
 
 @cache

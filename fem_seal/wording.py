@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.errors import Text, write
-from fem_seal.units import Display, current_display, keep_units_together
+from fem_seal.units import Display, keep_units_together
 
 if TYPE_CHECKING:
     from jinja2 import BytecodeCache, Environment, Template
@@ -166,7 +166,7 @@ class Words(Text):
 
     def text(self, display: Display | None = None) -> str:
         """See `fem_seal.errors.Text.text`."""
-        return fill(display or current_display(), self.template, **self.values)
+        return fill(display or Display(), self.template, **self.values)
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ class Quantity(Text):
 
     def text(self, display: Display | None = None) -> str:
         """See `fem_seal.errors.Text.text`."""
-        return (display or current_display()).quantity(self.value, self.how)
+        return (display or Display()).quantity(self.value, self.how)
 
 
 def join_names(names: Sequence[str], most: int = 3) -> str:

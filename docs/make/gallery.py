@@ -165,7 +165,7 @@ def is_kept(example: Path) -> bool:
 def solve(example: Path) -> None:
     """Solve a case or a study and keep its results."""
     import fem_seal
-    from fem_seal.units import leak_range_text
+    from fem_seal.units import Display
 
     if example.parent == EXAMPLES:
         keep(fem_seal.run(fem_seal.load_case(example)), example)
@@ -180,7 +180,7 @@ def solve(example: Path) -> None:
     table = re.sub(r"^<p>.*?</p>", "", result._repr_html_())
     is_inside = result["validity"] != "outside the theory"
     leaks = result["leak_rate_m3_per_s"][is_inside].dropna()
-    span = f"{len(is_inside)} designs, {leak_range_text((leaks.min(), leaks.max()), 2)}"
+    span = f"{len(is_inside)} designs, {Display().leak_range((leaks.min(), leaks.max()), 2)}"
     about = {"headline": span, "warnings": [], "shown": table, "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.seal.findings import Level, Validity, caution
 from fem_seal.seal.load_solver import Progress
+from fem_seal.units import Display
 from fem_seal.wording import Quantity
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
@@ -48,6 +49,8 @@ class LeakMap:
         Equivalent leakage area over leak rate, NaN if unknown, shape (m,) [s/m].
     validity : tuple of tuple of Validity or None
         None where nothing was calculated.
+    display : Display
+        Of the case.
     reasons : tuple of str
         Warnings of the run: why loads have no result, and what is doubtful.
 
@@ -72,6 +75,7 @@ class LeakMap:
     area_of_leak_rate: FloatArray
     validity: tuple[tuple[Validity | None, ...], ...]
     reasons: tuple[str, ...] = ()
+    display: Display = field(default_factory=Display)
 
     @property
     def mass_flow(self) -> FloatArray:
@@ -216,7 +220,7 @@ def _with_return(table: LeakMap, solution: SealSolution) -> LeakMap:
         tuple(None if cell is None else Validity.of([*cell.cautions, remark]) for cell in row)
         for row in table.validity
     )
-    return replace(table, validity=validity, reasons=(*table.reasons, remark.text(solution.case.display)))
+    return replace(table, validity=validity, reasons=(*table.reasons, remark.text(table.display)))
 
 
 def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
@@ -262,6 +266,7 @@ def _of_solution(
         area_of_leak_rate=np.array([_area_of_leak_rate(case, pressure) for pressure in pressures]),
         validity=tuple(map(tuple, validity)),
         reasons=solution.warnings,
+        display=case.display,
     )
 
 

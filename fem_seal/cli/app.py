@@ -23,7 +23,7 @@ from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text, write
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
-from fem_seal.units import Display, current_display, shown_in
+from fem_seal.units import Display
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def report(
 
     result = read_result(folder)
     file = output or folder / "report.html"
-    with folder_lock(folder), shown_in(result.case.display):
+    with folder_lock(folder):
         write_report(result, file, full=full)
     _warn_of_unfinished_designs(folder)
     if not quiet:
@@ -523,8 +523,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with shown_in(current_display()):
-            app(args=words, prog_name="fem-seal")
+        app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:
         return leave.code if isinstance(leave.code, int) else DONE

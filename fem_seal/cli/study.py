@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from fem_seal.cli.terminal import Debug, Quiet, argument, option, output_option, say, say_json, warn
-from fem_seal.errors import NoLoadLeftError, Problem
+from fem_seal.errors import NoLoadLeftError, Problem, errors_in
 
 if TYPE_CHECKING:
     from fem_seal.studies.designs_table import Designs
@@ -59,20 +59,19 @@ def run(
     from fem_seal.studies.progress import shown_progress
     from fem_seal.studies.session import run_study
     from fem_seal.studies.study import load_study
-    from fem_seal.units import show_in
 
     study = load_study(study_file)
-    show_in(study.case.display)
-    result = run_study(
-        study,
-        folder=output or study_file.with_suffix(".study"),
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
-        retry_failed=retry_failed,
-        progress=shown_progress(quiet),
-        leave=_leave,
-    )
+    with errors_in(study.case.display):
+        result = run_study(
+            study,
+            folder=output or study_file.with_suffix(".study"),
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            retry_failed=retry_failed,
+            progress=shown_progress(quiet),
+            leave=_leave,
+        )
     result.report()
     _show(result, quiet, json)
     counts = result.counts

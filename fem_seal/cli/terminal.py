@@ -20,7 +20,7 @@ import typer
 import fem_seal
 from fem_seal.errors import printable
 from fem_seal.files import as_json, own_tables
-from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, round_digits, show_in
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, round_digits
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -487,9 +487,7 @@ def _dimension(display: Display, key: str, value: float) -> str:
 
 def case_of_command(path: Path) -> Case:
     """The case of a command, in whose units all that follows is shown."""
-    case = fem_seal.load_case(path)
-    show_in(case.display)
-    return case
+    return fem_seal.load_case(path)
 
 
 def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = False) -> None:

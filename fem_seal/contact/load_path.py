@@ -560,8 +560,8 @@ class _Walk:
         """Error of a load step that is as small as can be and not solved."""
         if self._gives_way(at, aim, state):
             return self._limit_load(at, state)
-        why = error if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
-        return ConvergenceError(sentence("step_fails", at=at, aim=aim, why=why))
+        why = error.args[0] if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
+        return ConvergenceError(sentence("step_fails", at=str(at), aim=str(aim), why=why))
 
     def _too_many_steps(
         self, at: PathLoad, end: PathLoad, balance: Equilibrium, way: float, tries: int, step: float

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.screen import LEAK, ShownDesign, preliminary_words
 from fem_seal.files import own_tables
-from fem_seal.units import Unit, fixed_unit, number
+from fem_seal.units import Display, Unit, number
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import CrossSection, Screen, ShownLoad, ShownProfile
@@ -121,7 +121,7 @@ def section_figure(section: CrossSection | None, dark: bool, profile: ShownProfi
     figure.update("yaxis", visible=False)
     if section is None:
         return figure
-    unit = fixed_unit("mm")
+    unit = Display().fixed_unit("mm")
     whole = list(zip(("closure", "seat"), section.rings, strict=True))[::-1]
     for name, rings in whole:
         for ring, side in product(rings, (1, -1)):

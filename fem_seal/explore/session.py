@@ -15,7 +15,6 @@ from fem_seal.explore.choices import choices_of
 from fem_seal.explore.factors import Factors, factors_of, open_materials
 from fem_seal.explore.screen import Screen, section_of, slow_words
 from fem_seal.seal.cost import seconds
-from fem_seal.units import shown_in
 from leak import LeakError
 from meshes import MeshesError
 
@@ -115,10 +114,9 @@ class Session:
         design = self.design(design)
         try:
             case = self.case(design)
-            with shown_in(case.display):
-                if slow := self.slow(case):
-                    return Screen(design, section=section_of(case), delay=slow_words(slow))
-                return (calculate or _calculate_here)(case, design)
+            if slow := self.slow(case):
+                return Screen(design, section=section_of(case), delay=slow_words(slow))
+            return (calculate or _calculate_here)(case, design)
         except InputError as error:
             return Screen(
                 design,

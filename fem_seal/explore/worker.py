@@ -21,12 +21,11 @@ from pathlib import Path
 from threading import Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from fem_seal.errors import InputError, SealError, defect_text
+from fem_seal.errors import InputError, SealError, defect_text, errors_in
 from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
 from fem_seal.explore.session import WRONG, Calculate, Session
 from fem_seal.processes import can_copy
 from fem_seal.seal.keyed_store import KeyedStore
-from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -212,7 +211,7 @@ def live_work() -> Work:
     from fem_seal.explore.live import live_screen
 
     def calculate(calculation: Calculation, _: Callable[[], bool]) -> Iterator[Screen]:
-        with shown_in(calculation.case.display):
+        with errors_in(calculation.case.display):
             yield live_screen(calculation.case, calculation.design)
 
     return calculate
@@ -282,14 +281,13 @@ def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bo
     follow : bool
         Whether its sensitivities are still being calculated.
     """
-    with shown_in(result.case.display):
-        return screen_of(
-            result,
-            design,
-            complete=True,
-            warnings=result.warnings,
-            sensitivities=sensitivity_words(result, follow=follow),
-        )
+    return screen_of(
+        result,
+        design,
+        complete=True,
+        warnings=result.warnings,
+        sensitivities=sensitivity_words(result, follow=follow),
+    )
 
 
 class Answers:

@@ -47,7 +47,7 @@ def map_rows(leaks: LeakMap) -> list[dict[str, Any]]:
                     "leakage_area_low_m2": low * float(per_leak[m]),
                     "leakage_area_high_m2": high * float(per_leak[m]),
                     "validity": leaks.level[m][n],
-                    "validity_reasons": [] if validity is None else list(validity.reasons),
+                    "validity_reasons": [] if validity is None else list(validity.reasons_in(leaks.display)),
                 }
             )
     return rows

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.columns import ReadableTable
+    from fem_seal.units import Display
 
 # Largest number of loads in a text, and of rows in a notebook.
 _NAMED = 5
@@ -33,17 +34,19 @@ def result_text(result: SealSolution) -> str:
         heading += f", {_counted(len(result.warnings), 'warning')}"
     # of many loads the first ones and the last
     named = loads if len(loads) <= _NAMED else (*loads[: _NAMED - 1], loads[-1])
-    lines = [f"  {load_name(load, loads)}: {_in_brief(load)}" for load in named]
+    lines = [
+        f"  {load_name(load, loads, result.display)}: {_in_brief(load, result.display)}" for load in named
+    ]
     if len(named) < len(loads):
         lines.insert(-1, f"  ... {_counted(len(loads) - len(named), 'load')} more")
     return "\n".join([heading, *lines])
 
 
-def _in_brief(load: AnyLoad) -> str:
+def _in_brief(load: AnyLoad, display: Display) -> str:
     return (
         f"not calculated, {why_missing(load.problem)}"
         if isinstance(load, MissingLoad)
-        else str(load.in_brief)
+        else load.in_brief.text(display)
     )
 
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.seal.load_result import MissingLoad
+    from fem_seal.units import Display
 
 # Names and meanings of the columns of the other tables.
 MEANINGS: dict[str, dict[str, str]] = dict(own_tables("columns.toml")["meanings"])
@@ -75,7 +76,7 @@ def leak_rows(result: SealSolution, *, all_columns: bool = False) -> list[dict[s
         With all columns, also those that do not belong to the case; see `columns_of`.
     """
     columns = columns_of(result.case, of_profile=result.of_profile, all_columns=all_columns)
-    rows = (_row(columns, load, load.verdict, load.validity) for load in result.loads)
+    rows = (_row(columns, load, load.verdict, load.validity, result.display) for load in result.loads)
     return in_order(rows, result.missing_loads, lambda load: _missing_row(result.case, load, columns))
 
 
@@ -86,15 +87,15 @@ def _missing_row(case: Case, load: MissingLoad, columns: Sequence[Column]) -> di
     is_judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
     verdict = missing_verdict(case, load.point, load.problem).verdict if is_judged else None
     why = why_missing(load.problem)
-    return _row(columns, load, verdict, VALID) | dict(
+    return _row(columns, load, verdict, VALID, case.display) | dict(
         zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True)
     )
 
 
 def _row(
-    columns: Sequence[Column], load: AnyLoad, verdict: Verdict | None, validity: Validity
+    columns: Sequence[Column], load: AnyLoad, verdict: Verdict | None, validity: Validity, display: Display
 ) -> dict[str, Any]:
-    texts = {"verdict": None if verdict is None else str(verdict), **validity_entries(validity)}
+    texts = {"verdict": None if verdict is None else str(verdict), **validity_entries(validity, display)}
     return {column.name: texts[column.name] if column.text else column.number(load) for column in columns}
 
 

@@ -363,14 +363,15 @@ NOT_JUDGED = Validity((remark("checks", Level.DOUBTFUL, "checks of what the theo
 VALIDITY_COLUMNS = ("validity", "validity_reasons")
 
 
-def validity_entries(validity: Validity) -> dict[str, Any]:
+def validity_entries(validity: Validity, display: Display) -> dict[str, Any]:
     """`VALIDITY_COLUMNS` of a row: the level in words and the list of reasons, the worst first.
 
     Parameters
     ----------
     validity : Validity
+    display : Display
     """
-    return dict(zip(VALIDITY_COLUMNS, (str(validity.level), list(validity.reasons)), strict=True))
+    return dict(zip(VALIDITY_COLUMNS, (str(validity.level), list(validity.reasons_in(display))), strict=True))
 
 
 def caution(

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile, join_lands, tightest_profile
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
-from fem_seal.units import DIGITS, Display, Unit, current_display, digits_within
+from fem_seal.units import DIGITS, Display, Unit, digits_within
 from fem_seal.wording import Words
 
 if TYPE_CHECKING:
@@ -551,7 +551,7 @@ def load_axis(loads: Sequence[AnyLoad], display: Display | None = None) -> LoadA
     display : Display, optional
         Those of the field unless given.
     """
-    display = display or current_display()
+    display = display or Display()
     pressures = np.array([load.fluid_pressure for load in loads])
     forces = np.array([load.applied_force for load in loads])
     path = any(_yields(load) for load in loads), any(_number(load, loads) for load in loads)

@@ -182,7 +182,7 @@ class LoadSolver:
         try:
             return self._solve_without_memory(*point, None, first=True)
         except ConvergenceError as error:
-            raise ConvergenceError(sentence("earlier_load", why=error)) from error
+            raise ConvergenceError(sentence("earlier_load", why=error.args[0])) from error
 
     @property
     def _on_sealed_area(self) -> bool:
@@ -198,7 +198,7 @@ class LoadSolver:
     ) -> InputError:
         """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
-        says = sentence("opened", pressure=fluid_pressure, why=error, least=least)
+        says = sentence("opened", pressure=fluid_pressure, why=error.args[0], least=least)
         force = Quantity(applied_force, ".6g N")
         return InputError.at("load.applied_force", says, force, file=self.problem.file)
 
@@ -575,8 +575,10 @@ def _load_problem(error: Exception) -> LoadProblem:
         first = error.problems[0]
         return first if isinstance(first, LoadProblem) else LoadProblem(**vars(first))
     if isinstance(error, LimitLoadError):
-        return LoadProblem("load", error, kind="limit", body=error.body)
-    return LoadProblem("load", error if isinstance(error, SealError) else error_text(error), kind="solution")
+        return LoadProblem("load", error.args[0], kind="limit", body=error.body)
+    # not the error: it holds what was reached, and a problem is stored
+    why = error.args[0] if isinstance(error, SealError) else error_text(error)
+    return LoadProblem("load", why, kind="solution")
 
 
 def solve_load(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
     """The bolts at the load with the highest fluid pressure."""
     load, bolts = result.highest, result.bolts
-    state, at = load.bolts, load_name(load, result.loads)
+    state, at = load.bolts, load_name(load, result.loads, display)
     assert bolts is not None and state is not None  # of all who ask
     heat = bolts.bolts.thermal_force / bolts.bolts.number
     yield from say_all(display, "bolts", "state", load=at, bolts=bolts.bolts, state=state, heat=heat)
@@ -67,7 +67,7 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
         return AnswerPage()
     sentences = list(_sentences(result, display))
     preload = display.quantity(load.bolts.preload, "force 3")
-    at = load_name(load, result.loads)
+    at = load_name(load, result.loads, display)
     return AnswerPage(
         tiles=[Tile("Preload of the bolts", preload, say(display, "bolts", "torque", state=load.bolts), 25)],
         why=[say(display, "bolts", "carried", load=at, state=load.bolts)],

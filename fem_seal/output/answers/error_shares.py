@@ -58,7 +58,7 @@ def shares_in_brief(result: SealSolution, number: int) -> str:
         return ""
     named = [(name, share) for name, share in list(sources.of_width.items())[:_NAMED] if share >= _LEAST]
     shares = ", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in named)
-    at = load_name(result.loads[number], result.loads)
+    at = load_name(result.loads[number], result.loads, display)
     return say(display, "error_shares", "interval_shares", load=at, factor=sources.factor, shares=shares)
 
 
@@ -96,7 +96,7 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
     )
     if not what or sources is None:
         return ""
-    at = load_name(result.loads[number], result.loads)
+    at = load_name(result.loads[number], result.loads, display)
     return say(display, "error_shares", "interval_measure", what=what, left=left, now=sources.factor, at=at)
 
 
@@ -142,7 +142,11 @@ def _words(result: SealSolution, measurement: Measurement) -> dict[str, str]:
     table = instruments()[measurement.instrument]
     scan = None if result.case.roughness is None else line_scans(result.case.roughness)
     length = {} if scan is None else {"length": scan.length}
-    load = "" if measurement.at is None else load_name(result.loads[measurement.at], result.loads)
+    load = (
+        ""
+        if measurement.at is None
+        else load_name(result.loads[measurement.at], result.loads, result.display)
+    )
     accurate = {input_name(name): percent(value, 1) for name, value in measurement.accuracy.items()}
     first, *others = [f"{name} to {accuracy}" for name, accuracy in accurate.items()]
     return {

@@ -52,7 +52,7 @@ def tolerance(result: SealSolution, display: Display) -> str:
 
 def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> Iterator[str]:
     load = result.highest
-    at = load_name(load, result.loads)
+    at = load_name(load, result.loads, display)
     if load.leak is not None and load.leak_round is not None:
         as_calculated, as_round = (
             [leak.leak_rate for leak in leaks if leak is not None]
@@ -202,7 +202,7 @@ def _of_load(load: CaseLoad, result: SealSolution, display: Display) -> list[str
         display,
         "form",
         "around",
-        load=load_name(load, result.loads),
+        load=load_name(load, result.loads, display),
         around=around,
         at=_angles_text(angles),
         parted=_degrees(width) if around.line_load.min() == 0 else "",
@@ -216,7 +216,7 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     if answers is None:
         return AnswerPage()
     first, sentences = tolerance(result, display), list(_sentences(result, answers, display))
-    at = load_name(load, result.loads)
+    at = load_name(load, result.loads, display)
     details = [*uneven, *sentences]
     section = worded_section(display, "around", details, curve_table(result), waves_table(result), load=at)
     return AnswerPage(first=[first] if first else (), why=uneven[:2], section=section, details=sentences)

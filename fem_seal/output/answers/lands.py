@@ -25,7 +25,7 @@ def _sentences(result: SealSolution, display: Display) -> list[str]:
     if isinstance(load, GasketLoad):
         share = load.upper_share()
         return [say(display, "lands", "faces", upper=share, lower=1.0 - share)]
-    unit, at = display.fixed_unit("N/mm"), load_name(load, result.loads)
+    unit, at = display.fixed_unit("N/mm"), load_name(load, result.loads, display)
     carried = [f"{unit.of(land.moment(0)):.3g}" for land in load.profiles]
     sentences = [say(display, "lands", "carry", loads=carried, unit=unit.name, load=at)]
     if load.leak is not None:

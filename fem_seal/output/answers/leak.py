@@ -12,6 +12,7 @@ import numpy as np
 from fem_seal.answers.case_load import rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.case.roughness import uncertain_heights
+from fem_seal.errors import write
 from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, decisive
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.variants import has_one_number
@@ -47,13 +48,15 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
         digits = min(load.leak_digits, 2)
         text, middle = (display.leak_range(end, digits, beside=ends, volume=volume) for end in ends)
         kind = "bound"
-    at = load_values(load, result.loads)
+    at = load_values(load, result.loads, display)
     yield Tile("Leak rate", text, say(display, "leak", "rate", load=at, middle=middle, kind=kind), 0, level)
     (short, size), classes = class_size(case), leakage_classes(case, load)
     met = [str(leakage_class) for leakage_class in classes if leakage_class.name]
     best = met[0] if met else str(classes[0]) if classes else "none stated"
     remark = say(display, "leak", "classes", size=size, none_stated=not classes)
-    yield Tile(f"Leakage class, {short}", best, remark, 20 if result.judgement is None else 55, level)
+    yield Tile(
+        f"Leakage class, {write(short, display)}", best, remark, 20 if result.judgement is None else 55, level
+    )
     if load.leak.leak_rate > 0:
         units = leakage_text(display, load, volume).split(" = ")
         others = [amount for amount in units if amount.split(" (")[0] != text]
@@ -319,18 +322,22 @@ def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list
     if load.leak is None:
         return []
     validity = load.validity
-    doubt = f" ({validity.level}: {validity.reasons[0]})" if validity.reasons else ""
+    doubt = (
+        f" ({validity.level}: {validity.reasons_in(case.display)[0]})"
+        if validity.reasons_in(case.display)
+        else ""
+    )
     why = ", because the leak rate is outside the theory" if validity.outside_theory else ""
     tested, covered = "" if validity.outside_theory else judged_as(case, load), sure(case, load)
     classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
-    at, rate = load_values(load, loads), leakage_text(case.display, load, volume)
+    at, rate = load_values(load, loads, case.display), leakage_text(case.display, load, volume)
     if load.after_test and not validity.outside_theory:
         at, rate = f"{at} after the leak test", told_after_test(case.display, load, volume, rate)
     return [
         f"Leak rate at {at}: {rate}{doubt}",
         *([f"  {covered}."] if covered else []),
         *([f"  {_as_given(case, load)}"] if load.sample_ends is not None else []),
-        f"Leakage class for {class_size(case)[1]}: {classes}{why}",
+        f"Leakage class for {class_size(case)[1].text(case.display)}: {classes}{why}",
         *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
     ]
 

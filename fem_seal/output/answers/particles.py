@@ -45,7 +45,7 @@ def _sentences(result: SealSolution, answers: ParticleAnswers, display: Display)
 
 
 def _narrow(result: SealSolution, answers: ParticleAnswers, display: Display) -> str:
-    at = load_name(result.highest, result.loads)
+    at = load_name(result.highest, result.loads, display)
     return say(display, "particles", "narrow", load=at, sizes=answers.narrowest)
 
 
@@ -117,12 +117,15 @@ def particle_picture(result: SealSolution) -> Picture | None:
     share.set_xlim(0.9 * sizes[0] / unit.size, 1.1 * sizes[-1] / unit.size)
     size = f"particle size  [{unit.name}]"
     label(share, "Leak with narrower gaps shut (estimate)", size, "share  [%]", log="x", legend="center left")
-    at = load_name(result.highest, result.loads)
+    at = load_name(result.highest, result.loads, result.display)
     return captioned(result.display, figure, "particles", "all", load=at)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
-    answers, load = answers_of(result.highest, result.particles), load_name(result.highest, result.loads)
+    answers, load = (
+        answers_of(result.highest, result.particles),
+        load_name(result.highest, result.loads, display),
+    )
     if answers is None:
         return AnswerPage()
     sentences, tiles = list(_sentences(result, answers, display)), []

@@ -219,7 +219,7 @@ def change_in_brief(result: SealSolution, load: CaseLoad) -> str:
     # times the limit, at least, after the change
     left = 0.0 if load.judgement is None else load.judgement.times_over * max(sensitivity.ratio)
     alone = ", which alone is not enough" if left > 1.0 else ""
-    what, at = in_words(result.case, sensitivity), load_name(load, result.loads)
+    what, at = in_words(result.case, sensitivity), load_name(load, result.loads, result.display)
     return say(result.display, "sensitivities", "words_helps", what=what, at=at, alone=alone)
 
 
@@ -232,7 +232,7 @@ def load_of(result: SealSolution) -> str:
     """
     judgement = result.judgement
     load = result.highest if judgement is None or judgement.number is None else result.loads[judgement.number]
-    return load_name(load, result.loads)
+    return load_name(load, result.loads, result.display)
 
 
 def sensitivity_table(result: SealSolution) -> ReadableTable:

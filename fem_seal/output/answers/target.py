@@ -88,7 +88,11 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
     force, number = max(forces)
     load = result.loads[number]
     contact, validity = load.contact_force_for_target, load.target_validity
-    doubt = "" if validity is None or not validity.doubts else f"{validity.level}: {validity.reasons[0]}"
+    doubt = (
+        ""
+        if validity is None or not validity.doubts
+        else f"{validity.level}: {validity.reasons_in(display)[0]}"
+    )
     return say(
         display,
         "target",

@@ -73,7 +73,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
             for rate, digits in (*rates, *((end, 2) for end in both), *middle)
         ]
         cells += ["–" if np.isnan(share) else f"{100 * share:.0f}" for share in shares]
-        rows.append((load_name(load, result.loads), *cells))
+        rows.append((load_name(load, result.loads, display), *cells))
     return ReadableTable(headings, tuple(rows))
 
 

@@ -105,7 +105,7 @@ def headline(result: SealSolution, display: Display) -> str:
     # a simulated flow has two beside it, and neither in its headline
     if len(others) != 1 or not SCENARIOS[others[0]].in_headline:
         return ""
-    other, at = load.scenarios[others[0]], load_name(load, result.loads)
+    other, at = load.scenarios[others[0]], load_name(load, result.loads, display)
     rate = _rate_text(result, display, other) if _rate(other) else "nothing"
     return say(display, "theories", "headline", rate=rate, load=at, inputs=_remark_on_inputs(load))
 
@@ -136,7 +136,7 @@ def _compare_rates(result: SealSolution, display: Display, name: str, other: Cas
         "theories",
         "rate",
         theory=SCENARIOS[name].title,
-        load=load_name(load, result.loads),
+        load=load_name(load, result.loads, display),
         inputs=_remark_on_inputs(load),
         rate=_rate_text(result, display, other) if rate else "",
         factor=rate / present if present else None,

@@ -125,7 +125,7 @@ def _doubt(result: SealSolution, judgement: SealVerdict) -> str:
     if judgement.worst.verdict is Verdict.FAIL and judgement.worst.times_over > ORDERS_OF_MAGNITUDE:
         return ""
     validity = result.loads[judgement.number].validity
-    return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
+    return validity.reasons_in(result.display)[0] if validity.level is Level.DOUBTFUL else ""
 
 
 # Heights over the usual ones above which the local exponent predicts the leak rate.
@@ -138,7 +138,7 @@ _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNO
 
 def _place(result: SealSolution, judgement: SealVerdict) -> str:
     if judgement.number is not None:
-        return load_name(result.loads[judgement.number], result.every_load)
+        return load_name(result.loads[judgement.number], result.every_load, result.display)
     pressure = result.display.quantity(judgement.fluid_pressure, "given fluid pressure")
     if judgement.applied_force:
         return f"{pressure} with {result.display.quantity(judgement.applied_force, 'given force')}"
@@ -313,7 +313,7 @@ def would_pass(result: SealSolution) -> str:
     profiles, load = result.error_shares[number].by_profiles, result.loads[number]
     assert profiles is not None  # of a height
     yields = any(caution.kind == YIELD_STRESS for caution in load.validity.cautions)
-    at, length = load_name(load, result.loads), profiles.length
+    at, length = load_name(load, result.loads, result.display), profiles.length
     return say(result.display, "verdict", "turns_profile", length=length, height=height, at=at, curve=yields)
 
 
@@ -344,7 +344,7 @@ def _in_scenarios(result: SealSolution, judgement: SealVerdict) -> Iterator[str]
             verdict=verdict_words(verdict.verdict),
             usual=verdict_words(usual),
             rate=result.display.leak_range(verdict.ends, 2, beside=(verdict.limit.leak_rate,)),
-            load=load_name(result.loads[place], result.loads),
+            load=load_name(result.loads[place], result.loads, result.display),
         )
 
 
@@ -429,7 +429,7 @@ def tiles(result: SealSolution) -> Iterator[Tile]:
         margin = "sealed" if math.isinf(judgement.margin) else margin
         yield Tile("Margin", margin, say(display, "verdict", "tile_margin"), 10, level)
     if likely is not None and likely.chance is not None and not likely.chance.why_none:
-        at = load_name(likely, result.loads)
+        at = load_name(likely, result.loads, display)
         yield Tile(
             "Passes",
             _in_percent(likely.chance.share),
@@ -480,7 +480,7 @@ def _pass_sentence(result: SealSolution) -> str:
         "verdict",
         "passes_none" if chance.why_none else "passes_share",
         tested=load.after_test,
-        load=load_name(load, result.loads),
+        load=load_name(load, result.loads, result.display),
         share=_in_percent(chance.share),
         error=_in_percent(chance.error),
         batch="" if math.isnan(chance.batch_low) else _in_percent(chance.batch_low),

@@ -44,7 +44,7 @@ def unrolled_picture(result: SealSolution) -> style.Picture | None:
     load = result.highest
     if load.around is None or not load.around.form.felt_waves:
         return None
-    around, name = load.around, load_name(load, result.loads)
+    around, name = load.around, load_name(load, result.loads, result.display)
     step = math.ceil(len(around.angle) / _ANGLES)
     angle, (pressure, _) = around.angle[::step], around.pressure_and_gap(step)
     profile = around.local.mean.profiles[0]
@@ -85,7 +85,7 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
     if not chosen_loads:
         return None
     figure, (loads, form) = _round_panels()
-    over, colour = load_axis(result.loads), style.load_colours(len(chosen_loads))
+    over, colour = load_axis(result.loads, result.display), style.load_colours(len(chosen_loads))
     mean = np.ones(361)
     circle = np.linspace(0.0, 2 * math.pi, 361)
     loads.plot(circle, mean, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)), label="mean")
@@ -150,7 +150,7 @@ def draw_line_load(axes: Axes, result: SealSolution) -> bool:
     bool
         Whether there is any: not of a round seal.
     """
-    chosen_loads, over = _choose_loads(result), load_axis(result.loads)
+    chosen_loads, over = _choose_loads(result), load_axis(result.loads, result.display)
     colour = style.load_colours(len(chosen_loads))
     for n, (load, around) in enumerate(chosen_loads):
         share = around.line_load / around.line_load.mean()
@@ -208,7 +208,7 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
     curves = _leaking_around(result)
     if not curves:
         return False
-    over, colour = load_axis(result.loads), style.load_colours(len(curves))
+    over, colour = load_axis(result.loads, display), style.load_colours(len(curves))
     rates = np.concatenate([rate for _, _, rate in curves])
     unit = display.name_unit(display.unit_for("flow", float(rates.max())), volume_of(result.case))
     for n, (load, angle, rate) in enumerate(curves):

@@ -70,7 +70,9 @@ def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture
     if together:
         all_profiles(display, axes[0], loads, order, length)
     for view, n in zip(axes[len(axes) - len(singles) :], singles, strict=True):
-        _against_closed_forms(display, view, loads[n], load_name(loads[n], loads), derived.loads[n], length)
+        _against_closed_forms(
+            display, view, loads[n], load_name(loads[n], loads, display), derived.loads[n], length
+        )
     words = ["start", "mean" if result.highest.circumference is not None else ""]
     if not closed:
         words += [] if result.of_profile else ["conforming"]
@@ -97,7 +99,7 @@ def all_profiles(
     """
     pressure = display.unit_for("contact pressure", max(load.peak_pressure for load in loads))
     colour = style.load_colours(len(order))
-    over = load_axis(loads)
+    over = load_axis(loads, display)
     numbers = style.few(len(order), _DRAWN_LOADS)
     named = [numbers[n] for n in style.few(len(numbers), _NAMED_LOADS if len(numbers) <= _NAMED_LOADS else 4)]
     for n in numbers:
@@ -112,7 +114,7 @@ def all_profiles(
         f"All {len(loads)} loads" if len(order) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(order)} loads"
     )
     if len(order) == 1:
-        title = load_name(loads[order[0]], loads)
+        title = load_name(loads[order[0]], loads, display)
     style.label(axes, title, f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
 
 
@@ -178,7 +180,7 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> style.Pict
     display = result.display
     if len(result.loads) == 1:
         return None
-    over = load_axis(result.loads)
+    over = load_axis(result.loads, display)
     figure, axes = style.panels(2, height=3.3)
     peak = _draw_sizes(display, axes[0], over, sizes, "peak_pressure", "contact pressure")
     style.label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak.name}]")
@@ -227,7 +229,7 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     result : SealSolution
     """
     display = result.display
-    chosen, (low, high) = _few_loads(result.loads), _range_in_view(result.loads)
+    chosen, (low, high) = _few_loads(result.loads, display), _range_in_view(result.loads)
     # between lands the gap is that of a chamber
     inside = [
         profile.gap[
@@ -243,12 +245,12 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     axes.set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
     style.label(axes, "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
     axes.set_xlim(low / length.size, high / length.size)
-    axes.legend(title=load_axis(result.loads).name, loc="best", handlelength=1.4)
+    axes.legend(title=load_axis(result.loads, display).name, loc="best", handlelength=1.4)
 
 
-def _few_loads(loads: Sequence[CaseLoad]) -> list[tuple[CaseLoad, str, Any]]:
+def _few_loads(loads: Sequence[CaseLoad], display: Display) -> list[tuple[CaseLoad, str, Any]]:
     """A few different loads with their names and colours."""
-    order, names = distinct_loads(loads), load_axis(loads).names
+    order, names = distinct_loads(loads), load_axis(loads, display).names
     chosen = [order[n] for n in style.few(len(order), 4)]
     colour = style.load_colours(len(chosen))
     return [(loads[n], names[n], colour(place)) for place, n in enumerate(chosen)]
@@ -328,7 +330,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
         above.plot(x, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--")
     style.label(above, "", "", f"contact pressure  [{pressure.name}]")
     style.label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
-    name = load_name(load, result.loads)
+    name = load_name(load, result.loads, display)
     how_much = "alike" if 0.95 < times < 1.05 else "heights" if times > 1.0 else "widths"
     enlarged = say(display, "captions", f"contact_{how_much}", times=times, less=1.0 / times)
     values = {"load": name, "enlarged": enlarged, **result.case.labels}
@@ -442,7 +444,7 @@ def stress_picture(result: SealSolution, load: CaseLoad) -> Picture:
         largest=in_words(display, load, "max_von_mises_Pa"),
         body=result.case.label_of(body),
         **result.case.labels,
-        load=load_name(load, result.loads),
+        load=load_name(load, result.loads, display),
         depth=abs(depth),
         digits=load.digits_of("fwhm"),
         side="below" if depth < 0 else "above",

@@ -48,7 +48,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
         return None
     if len(loads) == 1:
         return _single_leak(result, loads[0])
-    over = load_axis(loads)
+    over = load_axis(loads, result.display)
     figure, (axes,) = panels(1, height=3.5, width=NARROW)
     draw_leak(axes, result, with_scenarios=True)
     both = "plastic_both" if any(load.others for load in loads) else ""
@@ -74,7 +74,7 @@ def draw_leak(axes: Axes, result: SealSolution, *, with_scenarios: bool = False)
     loads, ends = leaking_loads(result)
     if not loads:
         return False
-    over, rates = load_axis(loads), leak_rates(loads)
+    over, rates = load_axis(loads, display), leak_rates(loads)
     outside = np.array([load.validity.outside_theory for load in loads])
     curves = _curves(result, loads)
     visible = np.concatenate([values for _, values, _, _ in curves if with_scenarios] or [rates])
@@ -160,7 +160,7 @@ def leak_rates(loads: Sequence[CaseLoad]) -> FloatArray:
 def _single_leak(result: SealSolution, load: CaseLoad) -> Picture:
     """Bars for a case with one load."""
     outside = load.validity.outside_theory
-    at = load_name(load, result.loads) + (", outside the theory" if outside else "")
+    at = load_name(load, result.loads, result.display) + (", outside the theory" if outside else "")
     zero, digits = "zero" if outside else "sealed", load.leak_digits
     series = [(name, float(values[0]), colour) for name, values, colour, _ in _curves(result, [load])]
     volume = volume_of(result.case)
@@ -225,7 +225,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
         return None
     if result.unloaded_bodies is None:
         loads.sort(key=lambda load: load.point)
-    over = load_axis(loads)
+    over = load_axis(loads, display)
     earlier = earlier_load(display, result.case.load) or "the loads before it"
     first, after = _ends([load.scenarios.get(FIRST_LOADING, load) for load in loads]), _ends(loads)
     unit = display.name_unit(display.shared_flow_unit((*first.flat, *after.flat)), volume_of(result.case))

@@ -114,7 +114,7 @@ def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
         "all",
         "plastic" if plastic else "",
         "smoothed" if smoothed else "same",
-        load=load_name(load, result.loads),
+        load=load_name(load, result.loads, result.display),
         peak=in_words(result.display, load, "peak_pressure_Pa"),
         share="more than 99.9 %" if share > 0.999 else percent(share, 3),
     )

@@ -227,7 +227,7 @@ def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
     )
     bar.set_label(f"contact pressure  [{unit.name}]")
     bar.outline.set_linewidth(0.5)
-    name = load_name(load, result.loads)
+    name = load_name(load, result.loads, result.display)
     return captioned(result.display, figure, "seal", "scene", load=name, **result.case.labels)
 
 

@@ -68,7 +68,7 @@ def given_in_words(result: SealSolution) -> list[str]:
 def _contact_alone(result: SealSolution) -> str:
     """Width and peak pressure of the contact of a case without a leak rate, and why it has none."""
     missing, load = "roughness" if result.surface is None else "fluid", result.highest
-    at, contact = load_values(load, result.every_load), _contact(result.display, load)
+    at, contact = load_values(load, result.every_load, result.display), _contact(result.display, load)
     return say(result.display, "brief", "first_contact", load=at, contact=contact, missing=missing)
 
 
@@ -103,7 +103,7 @@ def missing_in_brief(result: SealSolution) -> str:
     # one that decides the verdict is named with it
     if not missing or (judgement is not None and judgement.number is None and len(missing) == 1):
         return ""
-    names = load_axis(result.every_load).names
+    names = load_axis(result.every_load, display).names
     return say(display, "brief", "first_missing", names=join_names([names[load.number] for load in missing]))
 
 
@@ -117,11 +117,13 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
     loads : sequence of CaseLoad or MissingLoad
         All of them.
     """
-    at, validity, volume = load_values(load, loads), load.validity, volume_of(case)
+    at, validity, volume = load_values(load, loads, case.display), load.validity, volume_of(case)
     if load.leak is None:
         return say(case.display, "brief", "first_none", load=at)
     if validity.outside_theory:
-        return say(case.display, "brief", "first_outside", load=at, reason=validity.reasons[0])
+        return say(
+            case.display, "brief", "first_outside", load=at, reason=validity.reasons_in(case.display)[0]
+        )
     one_number = has_one_number(load)
     told_rate, digits = (
         (load.leak.leak_rate, min(load.leak_digits, 2)) if one_number else (rate_of(load), load.leak_digits)
@@ -195,7 +197,12 @@ def _share(result: SealSolution, load: CaseLoad) -> str:
     if largest is None:
         return ""
     return say(
-        display, "brief", "second_share", name=largest[0], share=largest[1], at=load_name(load, result.loads)
+        display,
+        "brief",
+        "second_share",
+        name=largest[0],
+        share=largest[1],
+        at=load_name(load, result.loads, display),
     )
 
 
@@ -259,7 +266,7 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable,
     kept_loads = [loads[n] for n in kept]
     columns = _most_telling(case, kept_loads)
     table = columns_table(columns, none="none")
-    numbered = load_axis(loads).returns
+    numbered = load_axis(loads, case.display).returns
     marks = ["" if isinstance(load, MissingLoad) else load.validity.level.mark for load in kept_loads]
     rows = (
         (f"{mark} {n + 1}: {first}" if numbered else f"{mark} {first}".lstrip(), *others)

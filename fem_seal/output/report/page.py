@@ -344,7 +344,7 @@ def far_field_sentence(result: SealSolution) -> str:
         for change in result.far_field
     )
     which = "one" if len(result.loads) == 1 else "strongest"
-    load = load_name(result.strongest, result.loads)
+    load = load_name(result.strongest, result.loads, result.display)
     return say(result.display, "notes", f"far_field_{which}", load=load, changes=changes)
 
 
@@ -387,7 +387,10 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
         for measure in measures
     ]
     rows = tuple(
-        (load_name(load, result.loads), *(_difference(of[n], load, measure) for measure, of in columns))
+        (
+            load_name(load, result.loads, result.display),
+            *(_difference(of[n], load, measure) for measure, of in columns),
+        )
         for n, load in enumerate(result.loads)
     )
     return ReadableTable(("load", *headings), rows)
@@ -424,7 +427,7 @@ def yielding_table(result: SealSolution) -> ReadableTable:
             if name not in load.contact.bodies:
                 continue
             row = {
-                "load": load_name(whole, result.loads),
+                "load": load_name(whole, result.loads, result.display),
                 "body": result.case.label_of(body),
                 "steps": load.contact.load_steps,
             }
@@ -478,13 +481,17 @@ def validity_table(result: SealSolution) -> ReadableTable:
     """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
     rows: list[dict[str, object]] = [
-        {"load": load_name(load, loads), "level": doubt.level, "reason": doubt.reason(result.display)}
+        {
+            "load": load_name(load, loads, result.display),
+            "level": doubt.level,
+            "reason": doubt.reason(result.display),
+        }
         for load in loads
         for doubt in load.validity.doubts
     ]
     rows += [
         {
-            "load": load_name(load, result.every_load),
+            "load": load_name(load, result.every_load, result.display),
             "level": NOT_CALCULATED,
             "reason": why_missing(load.problem),
         }

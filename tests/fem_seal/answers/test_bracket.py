@@ -30,7 +30,7 @@ from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
-from fem_seal.units import Display, leak_range_text
+from fem_seal.units import Display
 from leak import LeakResult, Reading, leakage_class, leakage_limits
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
@@ -216,8 +216,8 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     assert [float(one) for one in ends] == pytest.approx(expected, rel=TWO_DIGITS)
     assert "bounds of yielding: volume conserved (C_pl), or pressure limited by the hardness" in terminal
     tile, beside = tiles_of(result)["Leak rate"], (rows[-1][LOW], rows[-1][HIGH])
-    assert tile.value == leak_range_text(rows[-1][LOW], 2, beside=beside)
-    assert leak_range_text(rows[-1][HIGH], 2, beside=beside) in tile.remark
+    assert tile.value == Display().leak_range(rows[-1][LOW], 2, beside=beside)
+    assert Display().leak_range(rows[-1][HIGH], 2, beside=beside) in tile.remark
     # another mesh, and a conductivity interpolated between surfaces
     names = (DEFAULT, LOW, HIGH, CONSERVED, CAPPED)
     design = evaluate_design(case(load={"fluid_pressure": "20 bar"}), names).values
@@ -349,19 +349,19 @@ def test_the_class_of_a_load_is_that_of_the_interval_beside_it():
     ],
 )
 def test_an_interval_in_words(rates, told):
-    assert leak_range_text(rates) == told
+    assert Display().leak_range(rates) == told
 
 
 def test_an_interval_has_the_unit_of_what_it_stands_beside_as_long_as_it_is_readable():
-    assert leak_range_text((1e-10, 3e-10), beside=(1e-8,)) == "6.0 to 18 µl/min"
-    assert leak_range_text((1e-8, 3e-8), beside=(1e-6,)) == "0.60 to 1.8 ml/min"
-    assert leak_range_text((1e-8, 3e-8), beside=(1e-3,)) == "0.60 to 1.8 ml/min"
+    assert Display().leak_range((1e-10, 3e-10), beside=(1e-8,)) == "6.0 to 18 µl/min"
+    assert Display().leak_range((1e-8, 3e-8), beside=(1e-6,)) == "0.60 to 1.8 ml/min"
+    assert Display().leak_range((1e-8, 3e-8), beside=(1e-3,)) == "0.60 to 1.8 ml/min"
 
 
 @given(rates=st.lists(st.floats(1e-14, 1e-3), min_size=1, max_size=4))
 def test_leak_rates_of_a_sentence_have_one_unit_and_all_can_be_read(rates):
     """Unless they lie more than four decades apart; then each has the unit that suits it."""
-    told = [leak_range_text(one, beside=rates) for one in rates]
+    told = [Display().leak_range(one, beside=rates) for one in rates]
     units, numbers = {text.split()[1] for text in told}, [float(text.split()[0]) for text in told]
     together = max(rates) <= 0.99e4 * min(rates)
     assert not together or len(units) == 1
@@ -387,8 +387,8 @@ def test_ends_that_are_one_number_in_the_first_unit_are_one_in_all(low, over, fl
 
 def test_a_zero_that_may_not_be_claimed_is_not_called_sealed():
     assert (
-        leak_range_text((0.0, 0.0), claimed=False)
-        == leak_range_text(0.0, claimed=False)
+        Display().leak_range((0.0, 0.0), claimed=False)
+        == Display().leak_range(0.0, claimed=False)
         == "zero, as calculated"
     )
 

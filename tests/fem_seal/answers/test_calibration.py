@@ -39,7 +39,7 @@ from fem_seal.output.pictures.style import style
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.findings import Bounds
 from fem_seal.studies.responses import evaluate_design
-from fem_seal.units import Display, leak_range_text
+from fem_seal.units import Display
 from leak import error_correlation
 
 HEADER = "fluid_pressure [bar], leak_rate [ml/min], uncertainty [%], below\n"
@@ -407,7 +407,7 @@ def test_the_median_after_the_test_leads(after):
     assert run.table["leak_rate_p50_m3_per_s"].tolist() == pytest.approx(run.uncertainty.median.tolist())
     # the calculated one keeps its meaning, and lies below all that the test has left
     assert run.table["leak_rate_m3_per_s"].iloc[-1] == load.leak.leak_rate < run.uncertainty.low[-1]
-    middle = leak_range_text(load.leak_rate_p50, 2, beside=load.leak_interval)
+    middle = Display().leak_range(load.leak_rate_p50, 2, beside=load.leak_interval)
     assert told[0].startswith(f"Leak rate at 20 bar after the leak test: {middle} (")
     assert "Before the leak test, with the inputs as stated, it was" in "".join(told)
     assert tiles_of(run)["Leak rate"].value.startswith(f"{middle} (")

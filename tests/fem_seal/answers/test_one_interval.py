@@ -22,7 +22,7 @@ from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
-from fem_seal.units import format_digits, leak_range_text, range_text
+from fem_seal.units import Display, format_digits, range_text
 from leak import Reading, millilitres_per_minute
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
@@ -88,10 +88,10 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
     if claimed and name == "two readings":
         # by the paper's theory its number, and beside it the upper bound
         digits = min(load.leak_digits, 2)
-        assert tile.value == leak_range_text(load.leak.leak_rate, digits, beside=load.leak_range)
-        assert leak_range_text(load.leak_range.high, digits, beside=load.leak_range) in tile.remark
+        assert tile.value == Display().leak_range(load.leak.leak_rate, digits, beside=load.leak_range)
+        assert Display().leak_range(load.leak_range.high, digits, beside=load.leak_range) in tile.remark
     else:
-        assert tile.value == leak_range_text(rate, load.leak_digits, claimed=claimed)
+        assert tile.value == Display().leak_range(rate, load.leak_digits, claimed=claimed)
     assert tile.value in report(result, full=True).replace("\xa0", " ")
 
 

@@ -34,7 +34,7 @@ from fem_seal.output.tables import leak_table
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
-from fem_seal.units import Display, leak_range_text
+from fem_seal.units import Display
 from leak import FluidError
 from leak.standards import (
     classes_of,
@@ -738,11 +738,11 @@ def test_less_than_a_molecule_per_hour_is_told_as_none_measurable():
     assert case(fluid={"name": "air"}).fluid.volume.least == pytest.approx(1.10957e-29, rel=1e-5)
     assert case(fluid={"name": "water"}).fluid.volume.least == pytest.approx(1e-27 / 3600)
     little = (8e-62, 8e-62)
-    assert leak_range_text(little) == "none measurable, less than a cubic nanometre per hour"
-    assert leak_range_text((8e-62, 1e-9)) == "0 to 60 µl/min"
+    assert Display().leak_range(little) == "none measurable, less than a cubic nanometre per hour"
+    assert Display().leak_range((8e-62, 1e-9)) == "0 to 60 µl/min"
     gas = case(fluid={"name": "air"}).fluid.volume
-    assert leak_range_text(1.05e-29, volume=gas) == "none measurable, less than a molecule per hour"
-    assert "measurable" not in leak_range_text(1.2e-29, volume=gas)
+    assert Display().leak_range(1.05e-29, volume=gas) == "none measurable, less than a molecule per hour"
+    assert "measurable" not in Display().leak_range(1.2e-29, volume=gas)
     judged = LoadVerdict.of(Limit("leak rate", 1e-9), little)
     # the number itself is kept
     assert judged.verdict == "pass" and judged.margin == pytest.approx(1e-9 / 8e-62)

@@ -24,7 +24,7 @@ from fem_seal.output.report.brief import first_line
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import leak_range_text
+from fem_seal.units import Display
 from leak import Reading
 
 EXAMPLE = EXAMPLES / "ball_cone.toml"
@@ -144,10 +144,12 @@ def test_an_interval_comes_without_being_asked_for(solved):
 def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
     load, ends = solved.loads[0], solved.leak_ranges[0]
     first, held, usual, _ = leakage_lines(solved.case, load, solved.loads)
-    assert f": {leak_range_text(ends, 2)} = " in first
-    assert leak_range_text(ends, 2) in first_line(solved)
+    assert f": {Display().leak_range(ends, 2)} = " in first
+    assert Display().leak_range(ends, 2) in first_line(solved)
     assert held == "  90 % interval over surfaces of this finish, with both bounds of yielding."
-    assert leak_range_text((load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate), 2) in usual
+    assert (
+        Display().leak_range((load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate), 2) in usual
+    )
     # in ml/min and in drops the ends are in the same ratio
     for part in first.split(": ", 1)[1].split(" = ")[:2]:
         low, high = (float(one) for one in re.findall(r"(\d+\.?\d*) to (\d+\.?\d*) ", part)[0])
@@ -158,11 +160,11 @@ def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solve
     load, ends = solved.highest, solved.leak_ranges[solved.loads.index(solved.highest)]
     tiles = tiles_of(solved)
     rate, others = tiles["Leak rate"], tiles["In other units"]
-    assert rate.value == leak_range_text(ends)
+    assert rate.value == Display().leak_range(ends)
     first = leakage_lines(solved.case, load, solved.loads)[0]
     assert others.value in first and others.remark in first
     both = load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate
-    assert f"{leak_range_text(both, 2)} median surface of this finish" in rate.remark
+    assert f"{Display().leak_range(both, 2)} median surface of this finish" in rate.remark
 
 
 def test_given_profiles_have_the_interval_of_the_finish(solved):

@@ -38,7 +38,7 @@ def row(pressure=20e5, level=Level.VALID, **entries):
     return {
         **numbers,
         "fluid_pressure_Pa": pressure,
-        **caution.validity_entries(judged(level)),
+        **caution.validity_entries(judged(level), Display()),
         **entries,
     }
 

@@ -19,7 +19,7 @@ from fem_seal.output.report.page import load_table
 from fem_seal.output.tables import leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load
 from fem_seal.studies.study import Study
-from fem_seal.units import Display, kind_of, parse_quantity, split_unit, unit_for
+from fem_seal.units import Display, kind_of, parse_quantity, split_unit
 
 SI = {
     "length": "m",
@@ -88,7 +88,7 @@ def test_what_a_parameter_is(path, unit, kind):
 
 
 def test_a_temperature_has_a_zero_of_its_own():
-    celsius = unit_for("temperature", 0.0)
+    celsius = Display().unit_for("temperature", 0.0)
     assert celsius.name == "°C" and celsius.of(293.15) == pytest.approx(20.0)
 
 

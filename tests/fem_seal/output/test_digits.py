@@ -31,15 +31,7 @@ from fem_seal.output.report.page import comparison_table
 from fem_seal.seal.findings import Bounds, Level, Validity, remark
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import (
-    LIQUID,
-    Display,
-    digits_at_limit,
-    digits_within,
-    format_digits,
-    quantity_worth,
-    round_digits,
-)
+from fem_seal.units import LIQUID, Display, digits_at_limit, digits_within, format_digits, round_digits
 from fem_seal.validity.checks import contact_cautions
 
 ERRORS = st.floats(1e-6, 2.0)
@@ -120,7 +112,10 @@ def test_what_is_looked_for_is_found():
     result = of_mesh(0.083, 0.06, 0.06, 0.3)
     peak, width = result.highest.contact.profile.peak_pressure, result.highest.contact.profile.fwhm
     told = all_words(result)
-    assert quantity_worth("contact pressure", peak, 2) in told and quantity_worth("length", width, 2) in told
+    assert (
+        Display().quantity(peak, "worth contact pressure 2") in told
+        and Display().quantity(width, "worth length 2") in told
+    )
     assert in_words(Display(), result.highest, "peak_pressure_Pa") == Display().quantity(
         peak, "worth contact pressure 2"
     )

@@ -41,7 +41,7 @@ from fem_seal.output.report.brief import _curve, first_line, loads_in_brief
 from fem_seal.output.report.page import load_table, pictures, report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Level, Validity, remark
-from fem_seal.units import Display, leak_range_text, unit_for
+from fem_seal.units import Display
 from leak import Reading
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
@@ -196,7 +196,7 @@ def test_headline_and_table_say_the_same_as_the_result(page):
     result = rough_result()
     highest = result.loads[-1]
     for end in highest.leak_range:
-        assert leak_range_text(end, 2, beside=highest.leak_range) in page.text
+        assert Display().leak_range(end, 2, beside=highest.leak_range) in page.text
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
     least, most = (
@@ -487,16 +487,15 @@ def test_the_legend_of_one_load_leaves_its_bar_free():
     box = axes.get_legend().get_window_extent().transformed(axes.transData.inverted())
     (ends,) = result.leak_ranges
     assert ends is not None and max(ends) > min(ends)
-    assert box.y0 > max(ends) / unit_for("flow", result.loads[0].leak.leak_rate).size
+    assert box.y0 > max(ends) / Display().unit_for("flow", result.loads[0].leak.leak_rate).size
 
 
 def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
     load = single_result().highest.with_values(
         force_for_target=6e3, contact_force_for_target=5e3, target_validity=Validity(())
     )
-    result = Mock(
-        highest=load, loads=[load], case=single_case().replace({"load.target_leak_rate": "1 ml/min"})
-    )
+    target = single_case().replace({"load.target_leak_rate": "1 ml/min"})
+    result = Mock(highest=load, loads=[load], case=target, display=Display())
     # one direction with the line load of the tables: normal to the seat's 45 deg
     per_length = 5.0 / (2 * math.pi * load.contact.model.initial_contact_radius * math.sqrt(0.5))
     assert load.line_load / load.contact_force == pytest.approx(1e3 * per_length / 5e3)
@@ -517,7 +516,7 @@ def test_the_force_for_the_target_is_that_of_the_load_that_needs_most():
     low = replace(high, fluid_pressure=0.1 * high.fluid_pressure).with_values(
         force_for_target=1.2e3, contact_force_for_target=5e3, target_validity=Validity(())
     )
-    told = target_in_brief(Mock(highest=high, loads=[low, high], case=chosen), Display())
+    told = target_in_brief(Mock(highest=high, loads=[low, high], case=chosen, display=Display()), Display())
     assert "of 1200 N" in told and "at 2 bar" in told
 
 
@@ -525,7 +524,7 @@ def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
     """212 N/mm over three times 200 MPa are 0.35 mm: far for an edge of 0.2 mm, little for one of 2 mm."""
     load = Mock(line_load=212e3, sample_ends=None)
     load.validity = Validity((remark("yield stress", Level.OUTSIDE, "seat yields"),))
-    result = Mock(case=Mock(gasket=None, display=Display()))
+    result = Mock(display=Display(), case=Mock(gasket=None))
     result.problem.materials = {"closure": Mock(yield_stress=None), "seat": Mock(yield_stress=200e6)}
     load.contact.model.relative_radius = 0.2e-3
     assert "0.35 mm wide" in _curve(result, load) and "howto/needle" in _curve(result, load)

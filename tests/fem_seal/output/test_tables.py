@@ -30,7 +30,7 @@ from fem_seal.output.tables import (
     write_leak_csv,
     write_profile_csv,
 )
-from fem_seal.units import Display, format_quantity, number, percent, quantity, trim_zeros
+from fem_seal.units import Display, number, percent, trim_zeros
 
 # of a case by the paper's theory with a hardness and a liquid
 LEAK_HEADER = (
@@ -211,11 +211,11 @@ def test_sources_are_those_of_the_formulas_used():
     ],
 )
 def test_units_suit_the_value(kind, value, text):
-    assert quantity(kind, value) == text
+    assert Display().quantity(value, kind) == text
 
 
 def test_numbers_for_readers():
-    assert format_quantity("fluid pressure", 2e6) == "20 bar"
+    assert Display().quantity(2e6, "given fluid pressure") == "20 bar"
     assert trim_zeros(0.30) == "0.3" and trim_zeros(100.0) == "100" and trim_zeros(1.0016) == "1.0016"
     assert trim_zeros(1e-9) == "1·10⁻⁹"
     assert number(1.234e-9) == "1.23·10⁻⁹"
@@ -223,7 +223,7 @@ def test_numbers_for_readers():
     assert percent(0.0388) == "3.9 %"
     assert Display().leak_rate(0.0) == "none, sealed"
     # a target as it was written, rather than a billionth of a picolitre
-    assert format_quantity("flow", 1e-29) == "1·10⁻²⁹ m³/s"
+    assert Display().quantity(1e-29, "given flow") == "1·10⁻²⁹ m³/s"
 
 
 def test_files_are_replaced_whole(tmp_path: Path):
