@@ -430,11 +430,6 @@ class Samples:
         rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in table]
         return np.array(rows).reshape(len(table), len(loads), -1).swapaxes(1, 2)
 
-    @property
-    def may_miss_some(self) -> bool:
-        """Whether some samples may fail: of a finish and of paths, whose extremes the bodies do not always bear."""
-        return self.of_finish or self.seal.problem.follows_path
-
     def valid_rows(self, rates: FloatArray, fewest: float = _FEWEST_CONVERGED) -> IntArray:
         """Which rows of `leak_rates` are those of samples that converged.
 

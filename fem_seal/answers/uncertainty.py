@@ -318,7 +318,9 @@ class _LoadGroup:
             progress(f"uncertainty: samples up to {goal} of {most}")
             rates = self.rates(range(goal))
             # a contact that did not converge says nothing; the polynomial goes through the others
-            runs = samples.valid_rows(rates) if samples.may_miss_some else samples.valid_rows(rates, 1.0)
+            # bodies do not always bear the extremes of a finish and of paths
+            may_fail = samples.of_finish or samples.seal.problem.follows_path
+            runs = samples.valid_rows(rates) if may_fail else samples.valid_rows(rates, 1.0)
             if goal < total and np.all((rates[runs] > 0) & np.isfinite(rates[runs])):
                 logs = np.log(rates[runs])
                 surface = fit(scores[runs], logs, scores)

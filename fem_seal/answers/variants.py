@@ -120,10 +120,6 @@ OWN_CONTACTS = Answer[OtherContacts](
 )
 
 
-def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
-    return replace(problem, interface=problem.interface.model_copy(update={"plastic": plastic}))
-
-
 def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[Comparison, ...]:
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     problem = solver.problem
@@ -139,7 +135,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
         contact, result = load.contact, load
         if plastic != problem.interface.plastic:
-            variant = _with_law(problem, plastic)
+            variant = replace(problem, interface=problem.interface.model_copy(update={"plastic": plastic}))
             if solver.yields:
                 contact = solve_load(replace(solver, problem=variant), strongest)
             else:

@@ -79,10 +79,6 @@ class MeasuredTrace(Table):
         """Most waves per turn that are taken: what is asked for, and what the points can tell."""
         return min(self.waves, self.trace.most_waves)
 
-    def find_waves(self) -> tuple[Wave, ...]:
-        """Waves of the trace from two on: the least-squares circle, which only says how the part stood, is removed."""
-        return self.trace.waves(self.usable_waves)[1:]
-
     def remarks(self, body: str) -> list[Words]:
         """What is to be said about the trace.
 
@@ -188,7 +184,8 @@ class BodyForm(Table):
     def deviations(self) -> tuple[Wave, ...]:
         """Waves of the body's own deviation."""
         if self.trace is not None:
-            return self.trace.find_waves()
+            # from two on: the least-squares circle only says how the part stood
+            return self.trace.trace.waves(self.trace.usable_waves)[1:]
         return tuple(Wave(harmonic.waves, harmonic.amplitude, harmonic.phase) for harmonic in self.harmonics)
 
 

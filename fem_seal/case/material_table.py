@@ -448,15 +448,13 @@ class StressStrain(Table):
 CURVE_FORMS = ("one curve", "several curves", "the library's")
 
 
-def _form_of_curves(value: object) -> str:
-    return CURVE_FORMS[2 if isinstance(value, str) else isinstance(value, (list, tuple))]
-
-
 Curves = Annotated[
     Annotated[StressStrain, Tag(CURVE_FORMS[0])]
     | Annotated[tuple[StressStrain, ...], Tag(CURVE_FORMS[1]), Field(strict=False)]
     | Annotated[Literal["library"], Tag(CURVE_FORMS[2])],
-    Discriminator(_form_of_curves),
+    Discriminator(
+        lambda value: CURVE_FORMS[2 if isinstance(value, str) else isinstance(value, (list, tuple))]
+    ),
 ]
 
 

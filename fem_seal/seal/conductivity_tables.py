@@ -15,8 +15,7 @@ function of numbers alone, p/(E* h), sigma_P/(E* h) and the Knudsen number of u_
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -58,49 +57,34 @@ def same_family(surface: RoughContact, other: RoughContact) -> bool:
     return _member(surface)[0].elastic == _member(other)[0].elastic
 
 
-def family_table(
-    flow: FlowModel, surface: RoughContact, tables: Sequence[Conductivity] | None = None
-) -> Conductivity | None:
+def family_table(flow: FlowModel, surface: RoughContact) -> Conductivity | None:
     """Flow conductivity of a surface from the tables of its shape; None where it is simulated.
 
     Parameters
     ----------
     flow : FlowModel
     surface : RoughContact
-    tables : sequence, optional
-        Those of `family_tables`, if they have been made already.
     """
-    if flow.direct is not None:
-        return None
-    if tables is None:
-        return _table_from(surface, flow.gas is not None)
-    return _scale_table(surface, tuple(tables))
+    return None if flow.direct is not None else _table_from(surface, flow.gas is not None)
 
 
 @lru_cache(maxsize=64)
 def _table_from(surface: RoughContact, of_gas: bool) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    return _scale_table(surface, tuple(map(_calculate_table, _names(_member(surface)[0], of_gas))))
-
-
-def _scale_table(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
     member, height, pressure = _member(surface)
-    table = tables[0] if len(tables) == 1 else _interpolate_tables(tables, _on_lattice(member)[1])
     acts_at = None
     if member.equivalent_elastic_surface is not None:
+        table = _calculate_table(member.equivalent_elastic_surface, of_gas)
         acts_at = partial(_equivalent_log_pressure, member, math.log(pressure))
+    elif member.hardness is None:
+        table = _calculate_table(member, of_gas)
+    else:
+        # between four of the lattice
+        place = math.log(member.hardness / _MODULUS) / _SPACING
+        first = math.floor(place) - 1
+        tables = tuple(_calculate_table(member.elastic, of_gas, first + step) for step in range(4))
+        table = _interpolate_tables(tables, place - first)
     return table.with_liquid(table.liquid.scaled(height, pressure, surface, acts_at))
-
-
-def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, ...]:
-    """Names of the tables from which the flow conductivity of a surface follows; most of the time goes into them.
-
-    Parameters
-    ----------
-    flow, surface
-        See `family_table`.
-    """
-    return _names(_member(surface)[0], flow.gas is not None)
 
 
 def _equivalent_log_pressure(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
@@ -108,51 +92,14 @@ def _equivalent_log_pressure(member: RoughContact, log_ratio: float, log_pressur
     return member.log_equivalent_pressure(log_pressure - log_ratio) + log_ratio
 
 
-def _names(member: RoughContact, of_gas: bool) -> tuple[FamilyTable, ...]:
-    """Of the member's own table, or of the four of the lattice between which it lies."""
-    if member.equivalent_elastic_surface is not None or member.hardness is None:
-        return (FamilyTable(member.equivalent_elastic_surface or member, of_gas),)
-    first = _on_lattice(member)[0]
-    return tuple(FamilyTable(member.elastic, of_gas, place) for place in range(first, first + 4))
-
-
-def _on_lattice(member: RoughContact) -> tuple[int, float]:
-    """First of the four points of the lattice between which a member lies, and the steps from there."""
-    assert member.hardness is not None
-    place = math.log(member.hardness / _MODULUS) / _SPACING
-    first = math.floor(place) - 1
-    return first, place - first
-
-
-@dataclass(frozen=True)
-class FamilyTable:
-    """Name of a table of a member of a family, by which it can be kept and made elsewhere.
-
-    Parameters
-    ----------
-    surface : RoughContact
-    of_gas : bool
-    place : int or None
-        Of the lattice; None for elastic asperities.
-    """
-
-    surface: RoughContact
-    of_gas: bool
-    place: int | None = None
-
-    def calculate(self) -> Conductivity:
-        """The table."""
-        return _calculate_table(self)
-
-
 @lru_cache(maxsize=_CACHE_SIZE)
-def _calculate_table(key: FamilyTable) -> Conductivity:
+def _calculate_table(surface: RoughContact, of_gas: bool, place: int | None = None) -> Conductivity:
     """Table over all pressures up to sealing, of a point of the lattice at fixed fractions of it."""
-    surface, num = key.surface, None
-    if key.place is not None:
-        surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * key.place)), _NODES
+    num = None
+    if place is not None:
+        surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * place)), _NODES
     sealing = surface.sealing_pressure
-    return calculated_table(surface, _RANGE * sealing, sealing, num, of_gas=key.of_gas)
+    return calculated_table(surface, _RANGE * sealing, sealing, num, of_gas=of_gas)
 
 
 @lru_cache(maxsize=64)

@@ -249,7 +249,7 @@ class DirectSimulation:
         """
         pressures, unload = self.settings.pressures, self.settings.unload
         samples = range(self.settings.samples)
-        if self.takes_minutes:
+        if self.settings.yield_stress is not None:
             path, release = tuple(sorted(set(pressures))), tuple(sorted(set(unload), reverse=True))
             return [*(Piece(sample, "load", path, release) for sample in samples), Piece(0, "cutoff", path)]
         pieces = [Piece(sample, "load", (p,)) for p in pressures for sample in samples]
@@ -285,11 +285,6 @@ class DirectSimulation:
         piece : Piece
         """
         return [self.key(piece.until(count)) for count in range(1, len(piece.states) + 1)]
-
-    @property
-    def takes_minutes(self) -> bool:
-        """Whether a piece does: a path of metal that flows."""
-        return self.settings.yield_stress is not None
 
     def record(self, values: Mapping[str, Any]) -> PieceRecord:
         """A record as it stands in a file.

@@ -137,10 +137,6 @@ class Bodies:
         materials = {"closure": self.closure, "seat": self.seat}
         return condense(seal_mesh, materials, self.supports, known=known)
 
-    def condense_light(self, known: ContactModel | None = None) -> ContactModel:
-        """The same without the way to stresses inside of them, which takes far more memory."""
-        return self.condense(known).line_alone
-
 
 def with_family_law(problem: SealProblem) -> SealProblem:
     """A problem with the elastic law of its surface from that of its shape, where it has such a law."""
@@ -192,7 +188,7 @@ class SharedBodies(Source):
         """Those that are kept, of rounded sizes."""
         key = Bodies.of(problem, sizing, self.rounding)
         if not self.stress:
-            model = self.light.get(key, lambda: key.condense_light(self.light.latest_value))
+            model = self.light.get(key, lambda: key.condense(self.light.latest_value).line_alone)
             return None, with_stop(problem, model)
         can_yield = tuple(name for name, material in problem.materials.items() if material.yield_stress)
         if next(_model_uses.get(key, count)) < _WORTH_A_SCREEN:

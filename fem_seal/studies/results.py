@@ -152,14 +152,6 @@ class StudyResult:
             return what(store)
 
 
-def _csv(designs: Designs, path: Path) -> Path:
-    return write_bytes(path, designs.table.to_csv(lineterminator="\n").encode())
-
-
-def _parquet(designs: Designs, path: Path) -> Path:
-    return write_bytes(path, designs.table.to_parquet(engine="pyarrow"))
-
-
 def _netcdf(designs: Designs, path: Path) -> Path:
     # the netCDF library writes to files only
     with TemporaryDirectory(prefix="fem-seal-") as folder:
@@ -171,7 +163,11 @@ def _netcdf(designs: Designs, path: Path) -> Path:
         return write_bytes(path, draft.read_bytes())
 
 
-_WRITERS: dict[str, Callable[[Designs, Path], Path]] = {".csv": _csv, ".parquet": _parquet, ".nc": _netcdf}
+_WRITERS: dict[str, Callable[[Designs, Path], Path]] = {
+    ".csv": lambda designs, path: write_bytes(path, designs.table.to_csv(lineterminator="\n").encode()),
+    ".parquet": lambda designs, path: write_bytes(path, designs.table.to_parquet(engine="pyarrow")),
+    ".nc": _netcdf,
+}
 
 
 def dataset(designs: Designs) -> xr.Dataset:
