@@ -283,7 +283,7 @@ class LimitLoadError(ConvergenceError):
         By what it is called.
     """
 
-    def __init__(self, message: str | Text, body: str) -> None:
+    def __init__(self, message: str | Text, body: str = "") -> None:
         super().__init__(message)
         self.body = body
 

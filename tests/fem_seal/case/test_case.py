@@ -17,6 +17,7 @@ from fem_seal import Case, InputError, Study, load_case
 from fem_seal.case.case import input_tables, with_units
 from fem_seal.case.material_table import LIBRARY, material
 from fem_seal.case.tables import CaseTables
+from fem_seal.errors import LimitLoadError, OpenSealError
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 
 CASE = {
@@ -130,6 +131,20 @@ def test_replace_of_another_kind_replaces_the_table(case, tmp_path):
 def test_replace_with_none_removes_an_entry(case):
     assert case.replace({"fluid": None}).fluid is None
     assert case.replace(fluid=None).fluid is None
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        LimitLoadError("yields through", "seat"),
+        OpenSealError("is open", 2e5),
+        InputError.at("k", "is wrong", "v"),
+    ],
+    ids=lambda error: type(error).__name__,
+)
+def test_errors_come_whole_from_other_processes(error):
+    other = pickle.loads(pickle.dumps(error))
+    assert (str(other), vars(other)) == (str(error), vars(error))
 
 
 def test_cases_are_frozen_and_can_be_pickled(case):
