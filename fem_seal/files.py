@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, QuantityError, SealError, TextTableError, join_remedy
 from fem_seal.units import parse_quantity
-from fem_seal.wording import Words
+from fem_seal.wording import Words, fill
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from fem_seal.units import Display
     from leak.text_tables import TextTable
 
 
@@ -104,6 +105,22 @@ def sentence(name: str, /, **values: object) -> Words:
     """What a problem says and what to do, by its name in templates/problems.toml; see `fem_seal.case.words.problem`."""
     entry = own_tables("problems.toml")[name]
     return Words(join_remedy(entry["says"], entry.get("remedy", "")), values)
+
+
+def worded_rows(display: Display, name: str, /, **values: object) -> list[tuple[str, str]]:
+    """Names and texts of a table of words.toml under "rows", in its order; a row with an empty text is left out.
+
+    Parameters
+    ----------
+    display : Display
+    name : str
+        Of the table.
+    **values
+        Values of the {names} in both.
+    """
+    rows = own_tables("words.toml")["rows"][name]
+    texts = {fill(display, key, **values): fill(display, text, **values) for key, text in rows.items()}
+    return [row for row in texts.items() if row[1]]
 
 
 def _table_error(name: str, /, **values: object) -> TextTableError:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +11,8 @@ from fem_seal.answers.closed_forms import ClosedForms, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.case.notation import words_of
-from fem_seal.files import own_tables
-from fem_seal.units import attributes, number, trim_zeros
-from fem_seal.wording import fill
+from fem_seal.files import own_tables, worded_rows
+from fem_seal.units import attributes, trim_zeros
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -159,24 +158,7 @@ def section(case: Case, name: str) -> dict[str, Any]:
 
 def section_text(display: Display, section: Mapping[str, Any]) -> dict[str, str]:
     """A `section` in words: its source, if it is a file, and its extent."""
-    words = {}
-    if section["file"]:
-        layer, unit, gap = section["layer"], section["length_unit_m"], section["joined_m"]
-        words["file"] = ", ".join(
-            [
-                section["file"],
-                *([f"layer {layer}"] if layer else []),
-                *([f"unit {display.quantity(unit, 'given length')}"] if unit else []),
-                # less is the last digit of a number
-                *([f"gaps of up to {display.quantity(gap, 'length 2')} closed"] if gap > 1e-8 else []),
-            ]
-        )
-    unit = display.unit_for("length", section["r_m"][1])
-    words["extent"] = ", ".join(
-        f"{c} {trim_zeros(unit.of(low))} to {trim_zeros(unit.of(high))} {unit.name}"
-        for c, (low, high) in (("r", section["r_m"]), ("z", section["z_m"]))
-    )
-    return words
+    return dict(worded_rows(display, "section", section=section))
 
 
 def finish_numbers(case: Case) -> dict[str, dict[str, Any]]:
@@ -234,35 +216,17 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
 def _rows(display: Display, table: FinishTable, whose: str) -> list[tuple[str, str]]:
     finish, face = table.finish, table.surface()
     spreads, height = finish.spreads, finish.spreads.get("rms_height")
-    lays = own_tables("words.toml")["lays"]
-    lay = lays["none"]
-    if "lay" in spreads:
-        lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)}{_known(display, spreads, 'lay')} times longer along it"
-    elif face.aspect > 1.0:
-        lay = f"{lays[face.lay]}, {trim_zeros(face.aspect)} times longer along it (given)"
-    others = [name for name in ("Ra", "Rq", "Rz") if name != finish.parameter]
     return worded_rows(
         display,
         "finish",
-        without=() if height is not None and height.high > height.low else ("  height of real surfaces",),
         whose=whose,
         finish=finish,
         face=face,
-        value=display.quantity(spreads[finish.parameter][::2], "given length")
-        + f" (usual: {display.quantity(finish.value, 'length')})"
-        if finish.parameter in spreads
-        else display.quantity(finish.value, "given length"),
-        others=", ".join(
-            f"{name} {display.quantity(face.expected.value(name), 'length')}" for name in others
-        ),
-        hurst=_known(display, spreads, "hurst"),
-        rolloff=2.0 * math.pi / face.q_rolloff,
-        of_rolloff=_known(display, spreads, "q_rolloff", "given length"),
-        shortest=2.0 * math.pi / face.across.q_high,
-        of_shortest=_known(display, spreads, "q_high", "given length"),
-        longest=2.0 * math.pi / face.across.q_low,
-        lay=lay,
-        height=height,
+        spreads=spreads,
+        others=[name for name in ("Ra", "Rq", "Rz") if name != finish.parameter],
+        lays=own_tables("words.toml")["lays"],
+        known=partial(_known, display, spreads),
+        height=height if height is not None and height.high > height.low else None,
     )
 
 
@@ -290,37 +254,28 @@ def temperature_rows(
     display = case.display
     if case.temperature is None:
         return
-    calculated = problem.at_rest.heating is not None
-    for name, temperature in problem.at_rest.temperatures.items():
-        yield (
-            f"{name} at the contact" if calculated else f"temperature of the {case.label_of(name)}",
-            in_degrees(display, temperature),
-        )
+    at_rest, faces = problem.at_rest, own_tables("words.toml")["heated_faces"]
+    calculated = at_rest.heating is not None
+    for name, temperature in at_rest.temperatures.items():
+        values = {"temperature": in_degrees(display, temperature), "label": case.label_of(name)}
+        yield from worded_rows(display, "body_temperature", name=name, calculated=calculated, **values)
     yield "dimensions hold at", in_degrees(display, case.temperature.reference)
     for name, face in case.temperature.faces.items():
-        film, place = face.heat_transfer, own_tables("words.toml")["heated_faces"][name]
-        with_film = "" if film is None else f", {trim_zeros(film)} W/(m² K)"
-        yield (
-            f"{place}, {'face' if film is None else 'fluid'}",
-            in_degrees(display, face.temperature) + with_film,
+        film, heat = face.heat_transfer, None if field is None else field.heat[name]
+        at = in_degrees(display, face.temperature)
+        yield from worded_rows(
+            display, "heated_face", place=faces[name], temperature=at, film=film, heat=heat
         )
-        if field is not None:
-            yield f"{place}, heat into the seal", f"{number(field.heat[name], 4)} W"
-    if field is not None:
-        yield "heat from closure to seat", f"{number(field.contact_heat, 4)} W"
-    if calculated:
-        conductance = case.temperature.contact_conductance
-        yield (
-            "contact conducts",
-            "perfectly" if conductance is None else f"{trim_zeros(conductance)} W/(m² K)",
-        )
-        return
-    yield (
-        "{upper} grows more than {lower}".format(**case.labels),
-        f"{number(1e6 * problem.at_rest.expansion, 4)}·10⁻⁶",
+    yield from worded_rows(
+        display,
+        "heat",
+        field=field,
+        calculated=calculated,
+        conductance=case.temperature.contact_conductance,
+        at_rest=at_rest,
+        wall=problem.supports.wall,
+        **case.labels,
     )
-    if problem.supports.wall == "fixed":
-        yield "wall of the seat moves inwards", display.quantity(problem.at_rest.interference, "given length")
 
 
 def in_degrees(display: Display, temperature: float) -> str:
@@ -386,27 +341,4 @@ def requirement_numbers(case: Case) -> list[dict[str, Any]] | None:
         for pressure in dict.fromkeys(case.load.fluid_pressure)
         if required.judges(pressure)
         for limit in limits(case, pressure)
-    ]
-
-
-def worded_rows(
-    display: Display, name: str, *, without: Collection[str] = (), **values: object
-) -> list[tuple[str, str]]:
-    """Names and texts of a table of words.toml under "rows", in its order.
-
-    Parameters
-    ----------
-    display : Display
-    name : str
-        Of the table.
-    without : collection of str
-        Names that are left out.
-    **values
-        Values of the {names} in both.
-    """
-    rows = own_tables("words.toml")["rows"][name]
-    return [
-        (fill(display, key, **values), fill(display, text, **values))
-        for key, text in rows.items()
-        if key not in without
     ]

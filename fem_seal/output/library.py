@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem_seal.case.material_table import ALIASES, CURVES, LIBRARY
-from fem_seal.files import own_tables
+from fem_seal.files import own_tables, worded_rows
 from fem_seal.materials import Material
 from fem_seal.units import Display
 from leak.fluids.library import ENTRIES, ROOM_TEMPERATURE, gas, is_gas, is_liquid, known_name, liquid
@@ -230,36 +230,13 @@ def material_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str,
     row : dict
         Of `material_row`.
     """
-    yield "name", row["name"]
-    if row["aliases"]:
-        yield "also called", ", ".join(row["aliases"])
+    yield from worded_rows(display, "material", row=row)
     at = display.fixed_quantity("degC", row["temperature_K"])
     for key, number in _OF_MATERIALS.items():
         missing = f"not known at {at}" if key in row["over_temperature"] else "not given"
         yield number.word, missing if row[key] is None else number.with_unit(display, row[key])
     yield from over_temperature_lines(display, row)
-    if row["stress_strain"]:
-        yield "stress-strain curve", curve_line(display, row["stress_strain"])
-        yield "source of the curve", row["stress_strain"]["source"]
-    if row["creeps"]:
-        yield "creep", CREEPS
-    yield "condition", row["condition"]
-    yield "source", row["source"]
-
-
-def curve_line(display: Display, curve: dict[str, Any]) -> str:
-    """A stress-strain curve of the library in words.
-
-    Parameters
-    ----------
-    display : Display
-    curve : dict
-        "stress_strain" of `material_row`.
-    """
-    unit = display.fixed_unit("MPa")
-    strain = ", ".join(f"{100 * strain:.3g}" for strain in curve["plastic_strain"])
-    stress = ", ".join(f"{unit.of(stress):.4g}" for stress in curve["stress_Pa"])
-    return f"{stress} {unit.name} at plastic strains of {strain} % (true)"
+    yield from worded_rows(display, "material_source", row=row, creeps=CREEPS)
 
 
 def over_temperature_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -271,16 +248,14 @@ def over_temperature_lines(display: Display, row: dict[str, Any]) -> Iterator[tu
     row : dict
         Of `material_row`.
     """
+    degrees = ListedNumber("temperature_K", "", unit="degC")
     for key, table in row["over_temperature"].items():
-        if len(set(table["value"])) < 2:
-            continue
-        number, degrees = _OF_MATERIALS[key], ListedNumber("temperature_K", "", unit="degC")
-        at = degrees.with_unit(display, *table["temperature_K"])
-        values = number.with_unit(display, *table["value"])
-        yield f"{number.word} at", f"{at}: {values}"
+        if len(set(table["value"])) > 1:
+            at, number = degrees.with_unit(display, *table["temperature_K"]), _OF_MATERIALS[key]
+            yield f"{number.word} at", f"{at}: {number.with_unit(display, *table['value'])}"
 
 
-def fluid_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def fluid_lines(display: Display, row: dict[str, Any]) -> list[tuple[str, str]]:
     """All that is known of one fluid, in words.
 
     Parameters
@@ -289,25 +264,4 @@ def fluid_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str, st
     row : dict
         Of `fluid_row`.
     """
-    yield "name", row["name"]
-    yield "state", row["state"]
-    high = f"at {display.fixed_quantity('bar', _HIGH)}"
-    at = f" at {display.fixed_quantity('degC', row['temperature_K'])}"
-    if row["viscosity_Pa_s"] is None:
-        yield "viscosity", f"not known{at}"
-    else:
-        yield "viscosity", f"{display.fixed_quantity('mPa s', row['viscosity_Pa_s'])}{at}"
-    if row["viscosity_at_1000_bar_Pa_s"] is not None:
-        yield high, display.fixed_quantity("mPa s", row["viscosity_at_1000_bar_Pa_s"], 3)
-    elif row["state"] == "liquid" and row["viscosity_Pa_s"] is not None:
-        yield high, "not known"
-    if row["density_kg_per_m3"] is not None:
-        yield "density", f"{display.fixed_quantity('kg/m3', row['density_kg_per_m3'])}{at}"
-    if row["state"] == "gas":
-        yield "molar mass", f"{1e3 * row['molar_mass_kg_per_mol']:.6g} g/mol"
-        yield "dilute ideal gas", f"within 5 % up to {display.fixed_quantity('bar', row['dilute_up_to_Pa'])}"
-    yield (
-        "range",
-        f"{display.fixed_quantity('degC', row['from_K']).split()[0]} to {display.fixed_quantity('degC', row['to_K'])}",
-    )
-    yield "source", row["source"]
+    return worded_rows(display, "fluid", row=row, high=_HIGH)

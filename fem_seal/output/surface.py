@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.case_words import worded_rows
-from fem_seal.units import Display, attributes, number, percent
-from fem_seal.wording import say
+from fem_seal.files import as_json, worded_rows, write_bytes, write_text
+from fem_seal.units import Display, attributes
 
 if TYPE_CHECKING:
     from leak import MeasuredSurface, RoughnessParameters
@@ -87,67 +84,19 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
 
 def surface_lines(display: Display, surface: MeasuredSurface) -> list[tuple[str, str]]:
     """Key figures of a measured surface in words: name and value."""
-    points = [" x ".join(map(str, scan.heights.shape)) for scan in surface.scans]
-    roughness, rolloff = roughness_of(surface), surface.rolloff
+    roughness = roughness_of(surface)
     values: dict[str, Any] = {
         "surface": surface,
-        "rms_height": _with_scatter(display, surface),
-        "interval": tuple(surface.rms_height * factor for factor in rolloff.height.interval),
+        "interval": tuple(surface.rms_height * factor for factor in surface.rolloff.height.interval),
         "roughness": roughness,
-        "of_profiles": "" if roughness.profiles == 1 else f", mean of {roughness.profiles} profiles",
-        "short": display.quantity(roughness.filter.lambda_s, "given length")
-        if roughness.filter.lambda_s
-        else "none",
-        "sections": "the whole scan" if roughness.sections == 0 else f"{roughness.sections} sections",
     }
     lay = surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None
-    has_row = {
-        "anisotropy": lay,
-        "key peklenik": lay,
-        "tip radius": surface.tip_radius is not None,
-        "continued spectrum": surface.spectrum != surface.measured,
-    }
-    scans = zip(surface.scans, points, strict=True)
     return [
-        *((scan.name, f"{n} points over {display.quantity(scan.length, 'length')}") for scan, n in scans),
+        *(row for scan in surface.scans for row in worded_rows(display, "scan", scan=scan)),
         *worded_rows(display, "surface", **values),
         *(("  note", text) for text in roughness.remarks),
-        *worded_rows(
-            display,
-            "surface_spectrum",
-            without=[name for name, there in has_row.items() if not there],
-            lay_angle=None if surface.lay_angle is None else math.degrees(surface.lay_angle),
-            rolloff=_rolloff(display, surface),
-            hurst=_hurst(display, surface),
-            wavelengths=tuple(2 * math.pi / q for q in (surface.q_high, surface.q_low)),
-            **values,
-        ),
+        *worded_rows(display, "surface_spectrum", lay=lay, **values),
     ]
-
-
-def _with_scatter(display: Display, surface: MeasuredSurface) -> str:
-    text = display.quantity(surface.rms_height, "length")
-    if len(surface.scans) > 1:
-        low, high = min(surface.scan_rms_heights), max(surface.scan_rms_heights)
-        text += f" (scans: {display.quantity(low, 'length')} to {display.quantity(high, 'length')})"
-    if surface.height_above > 1e-3:
-        text += f", {percent(surface.height_above)} of the variance above the reliable range"
-    return text
-
-
-def _rolloff(display: Display, surface: MeasuredSurface) -> str:
-    q = surface.rolloff.wavenumber
-    if q is None:
-        return "none in the reliable range"
-    return f"q = {number(q)} 1/m, wavelength {display.quantity(2 * math.pi / q, 'length')}"
-
-
-def _hurst(display: Display, surface: MeasuredSurface) -> str:
-    fit = surface.rolloff
-    if fit.hurst is None or fit.hurst_interval is None:
-        return "not determined: no part of the spectrum is long and clear enough"
-    text = say(display, "surface", "hurst_fit", fit=fit)
-    return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
 
 
 def write_surface(surface: MeasuredSurface, folder: Path) -> tuple[Path, ...]:
