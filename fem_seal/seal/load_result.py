@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from leak import LeakResult, RoughContact
 
 
-_NINE_OF_TEN = 0.05, 0.95
-
-
 @dataclass(frozen=True, eq=False)
 class LoadResult:
     """One load of a case, which works out what it is asked for.
@@ -238,37 +235,6 @@ def on_new_surfaces(load: LoadResult) -> LoadResult:
         return load
     circumference = load.circumference and replace(load.circumference, before=None)
     return replace(load, contact=load.contact.first_loading, circumference=circumference)
-
-
-def leak_rates(
-    surface: RoughContact,
-    flows: Sequence[FlowModel],
-    loads: Sequence[LoadResult],
-    others: Sequence[LoadResult] = (),
-    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
-) -> list[tuple[float, ...]]:
-    """Leak rate of each load with another surface or flow on the same contact, for each of the flows [m^3/s].
-
-    Parameters
-    ----------
-    surface : RoughContact
-    flows : sequence of FlowModel
-        Of different fluids, of which the conductivity is the same.
-    loads : sequence of LoadResult
-    others : sequence of LoadResult
-        Other loads over whose pressures the conductivity is tabulated as well.
-    table : callable, optional
-        Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
-    """
-    contacts = [contact for load in (*others, *loads) for contact in load.contacts]
-    first = LeakModel.of(surface, flows[0], contacts, table)
-    assert first is not None  # there is a surface
-    rates = []
-    for flow in flows:
-        rough = replace(first, flow=flow)
-        leaks = [replace(load, rough=rough).leak for load in loads]
-        rates.append(tuple(math.nan if leak is None else leak.leak_rate for leak in leaks))
-    return rates
 
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:

@@ -109,7 +109,7 @@ class LoadSolver:
         first: bool = False,
     ) -> ContactSolution:
         """`solve` without memory; as the first load of all, or after the largest one before those of the problem."""
-        if fluid_pressure == 0.0 or self._on_sealed_area:
+        if fluid_pressure == 0.0 or self.problem.on_sealed_area:
             return self._solve_sealed_area(applied_force + self.fluid_force(fluid_pressure), start)
         seal = self._first_seal if first else self.seal
         try:
@@ -121,7 +121,7 @@ class LoadSolver:
 
     def pressings(self) -> dict[int, ContactProblem]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
-        if self.yields or not self._on_sealed_area or self.problem.loads.unsolved_bolts is not None:
+        if self.yields or not self.problem.on_sealed_area or self.problem.loads.unsolved_bolts is not None:
             return {}
         at_rest = self.problem.at_rest.body_loads(self.model)
         forces = [force + self.fluid_force(pressure) for pressure, force in self.problem.loads.points]
@@ -184,11 +184,6 @@ class LoadSolver:
         except ConvergenceError as error:
             raise ConvergenceError(sentence("earlier_load", why=error.args[0])) from error
 
-    @property
-    def _on_sealed_area(self) -> bool:
-        """Whether the force of the fluid is known before the contact: it acts on the circle of first touch."""
-        return self.problem.on_sealed_area
-
     def open_on_path(self, point: tuple[float, float], open_load: OpenLoad) -> InputError:
         """What is said of a load that opens the seal on the path of bodies that yield."""
         return self._open_seal(replace(self.seal, model=open_load.model), *point, open_load.error)
@@ -208,9 +203,9 @@ class LoadSolver:
         With bolts the applied force is their preload.
         """
         at_rest = self.problem.at_rest.body_loads(self.model)
-        end_force = self.fluid_force(fluid_pressure) if self._on_sealed_area else 0.0
+        end_force = self.fluid_force(fluid_pressure) if self.problem.on_sealed_area else 0.0
         tightened_bolts = None if bolts is None else TightenedBolts(bolts, applied_force, end_force)
-        if self._on_sealed_area:
+        if self.problem.on_sealed_area:
             return PathLoad(applied_force + end_force, at_rest, bolts=tightened_bolts)
         return PathLoad(
             applied_force, at_rest, path=self._path, fluid_pressure=fluid_pressure, bolts=tightened_bolts
@@ -218,7 +213,7 @@ class LoadSolver:
 
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
         """A fluid pressure [Pa], and the applied force of a contact under it [N]."""
-        if self._on_sealed_area:
+        if self.problem.on_sealed_area:
             return fluid_pressure, contact.pressing_force - self.fluid_force(fluid_pressure)
         return fluid_pressure, contact.applied_force
 
@@ -252,7 +247,7 @@ class LoadSolver:
             return _end_of_path(
                 self, [(fluid_pressure, preload)], progress=progress, first=self.first_loading
             ), preload
-        if self._on_sealed_area:
+        if self.problem.on_sealed_area:
             return self._solve_sealed_area(contact_force, start).after(self.earlier), preload
         contact = solve_at_contact_force(
             self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
@@ -318,7 +313,7 @@ class LoadSolver:
             From which the pressure rises, the force staying as it is: bodies that yield keep what they have gone
             through. Without it they are as new.
         """
-        if not self._on_sealed_area:
+        if not self.problem.on_sealed_area:
             return blow_off_pressure(self._seal_after(contact), applied_force=applied_force)
         return blow_off_of_sealed_area(
             self.problem.initial_contact_radius, applied_force, self.problem.loads.pressure_side
@@ -329,7 +324,7 @@ class LoadSolver:
 
         `contact` as in `blow_off_pressure`.
         """
-        if not self._on_sealed_area:
+        if not self.problem.on_sealed_area:
             return least_applied_force(self._seal_after(contact), fluid_pressure)
         return -self.fluid_force(fluid_pressure)
 
@@ -453,11 +448,6 @@ class SolvedLoads:
     points: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     was_left: bool = False
 
-    @property
-    def circumference_of_each(self) -> Sequence[Circumference | None]:
-        """Each contact around the axis; None for a round seal."""
-        return self.circumferences or [None] * len(self.contacts)
-
     def results(
         self,
         problem: SealProblem,
@@ -471,7 +461,8 @@ class SolvedLoads:
         problem, points, table
             See there.
         """
-        return load_results(problem, points, self.contacts, self.circumference_of_each, table)
+        circumferences: Sequence[Circumference | None] = self.circumferences or [None] * len(self.contacts)
+        return load_results(problem, points, self.contacts, circumferences, table)
 
     @property
     def all_contacts(self) -> list[ContactSolution]:
@@ -747,6 +738,10 @@ def solve_path(solver: LoadSolver) -> list[ContactSolution]:
     return list(path.contacts)
 
 
+# What the solution of a contact says of it.
+_SOLVED_FOR = ("contact_force", "stop_force", "approach", "log_pressure", "gap", "iterations", "residuals")
+
+
 def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[ContactSolution]:
     """The same loads of bodies that yield with another law, the bodies linearised where they are.
 
@@ -770,16 +765,7 @@ def solve_linearised(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
             force = member.pressing_force
             solution = solve(member.linear, law, contact_force=force, loads=member.loads, start=member)
             # a contact of the true bodies, in the states that they are in
-            contact_again = replace(
-                member,
-                contact_force=solution.contact_force,
-                stop_force=solution.stop_force,
-                approach=solution.approach,
-                log_pressure=solution.log_pressure,
-                gap=solution.gap,
-                iterations=solution.iterations,
-                residuals=solution.residuals,
-            )
+            contact_again = replace(member, **{name: getattr(solution, name) for name in _SOLVED_FOR})
             solutions[id(member)] = contact_again.after(solutions.get(id(member.earlier)))
     return [solutions[id(contact)] for contact in contacts]
 

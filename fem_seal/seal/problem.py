@@ -645,17 +645,11 @@ def direct_settings(case: CaseTables) -> DirectSettings | None:
         return None
     from fem_seal.seal.direct import DirectSettings
 
+    same = ("points", "samples", "seed", "waves", "points_per_wave", "amplitudes", "size", "direction")
     return DirectSettings(
-        points=table.points,
-        samples=table.samples,
-        seed=table.seed,
-        waves=table.waves,
-        points_per_wave=table.points_per_wave,
-        amplitudes=table.amplitudes,
-        size=table.size,
+        **{name: getattr(table, name) for name in same},
         pressures=table.pressure or (),
         unload=table.unload or (),
-        direction=table.direction,
         map=None if table.file is None else partial(_periodic_map, table.file, table.unit, table),
         folder=None if table.folder is None else Path(table.folder),
         asperities=case.simulated_asperities,
