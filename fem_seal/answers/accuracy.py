@@ -64,13 +64,8 @@ class Comparison:
         rate = None
         if self.leak_rate is not None and base.leak_rate is not None and 0 < base.leak_rate < math.inf:
             rate = self.leak_rate / base.leak_rate - 1
-        return Comparison(
-            self.name,
-            self.peak_pressure / base.peak_pressure - 1,
-            self.fwhm / base.fwhm - 1,
-            self.std / base.std - 1,
-            rate,
-        )
+        peak, fwhm = self.peak_pressure / base.peak_pressure - 1, self.fwhm / base.fwhm - 1
+        return Comparison(self.name, peak, fwhm, self.std / base.std - 1, rate)
 
     @property
     def largest_change(self) -> float:

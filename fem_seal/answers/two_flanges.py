@@ -137,8 +137,7 @@ def mean_leak(first: LeakResult, second: LeakResult) -> LeakResult:
     if 0.0 < first.leak_rate < math.inf or rate == first.leak_rate:
         return first.scaled(rate)
     # one is sealed or the other open: where it flows is not scaled
-    shares = second.scaled(rate)
-    return replace(shares, fluid_pressure=first.fluid_pressure, lands=first.lands)
+    return replace(second.scaled(rate), fluid_pressure=first.fluid_pressure, lands=first.lands)
 
 
 def share_of(first: LeakResult, second: LeakResult) -> float:

@@ -235,8 +235,7 @@ class ElastoplasticBody:
         shapes = self.strain_shapes
         volume_stress = (self.weight[..., None] * stress).reshape(len(shapes), 1, -1)
         local = (volume_stress @ shapes.reshape(len(shapes), -1, shapes.shape[-1]))[:, 0]
-        forces = np.bincount(self._dofs.ravel(), local.ravel())
-        return np.asarray(forces, dtype=np.float64)
+        return np.asarray(np.bincount(self._dofs.ravel(), local.ravel()), dtype=np.float64)
 
     def element_stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of some elements [N/m], shape (k, shapes, shapes), with their tangent, (k, points, 4, 4) [Pa]."""

@@ -39,7 +39,7 @@ from fem_seal.case.roughness import LengthUnits, Roughness
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
-from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force
+from fem_seal.loads import Closing, blow_off_of_sealed_area, contact_force, expected_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.units import Display, System, Unit, unit_as_written
 from leak.standards import DROP_VOLUME
@@ -461,13 +461,9 @@ class CaseTables(Table):
         fluid_pressure, applied_force : float
             [Pa], [N].
         """
-        return expected_force(
-            self.initial_contact_radius,
-            fluid_pressure,
-            applied_force,
-            self.load.pressure_side,
-            "sealed-area" if self.on_sealed_area else "penetration",
-        )
+        closing: Closing = "sealed-area" if self.on_sealed_area else "penetration"
+        circle, side = self.initial_contact_radius, self.load.pressure_side
+        return expected_force(circle, fluid_pressure, applied_force, side, closing)
 
     @cached_property
     def contact(self) -> ContactGeometry:

@@ -223,8 +223,7 @@ def _set_requirement(case: Case, value: str) -> Case:
         return case.replace_written({"requirement": None})
     if value == LEAK_RATE:
         return case
-    entries = required_class(str(case), value)
-    return case.replace_written({**entries, "requirement.leak_rate": None})
+    return case.replace_written({**required_class(str(case), value), "requirement.leak_rate": None})
 
 
 def _form(case: Case, lower: str) -> Iterator[Choice]:

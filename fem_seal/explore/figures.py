@@ -204,8 +204,7 @@ def _add_detail(figure: Figure, section: CrossSection, profile: ShownProfile | N
 def _over_force(screen: Screen) -> bool:
     """Whether the loads differ in force rather than in fluid pressure."""
     pressures = {load.values["fluid_pressure_Pa"] for load in screen.loads}
-    forces = {load.applied_force for load in screen.loads}
-    return len(pressures) == 1 and len(forces) > 1
+    return len(pressures) == 1 and len({load.applied_force for load in screen.loads}) > 1
 
 
 def leak_figure(designs: Sequence[ShownDesign], dark: bool) -> Figure:

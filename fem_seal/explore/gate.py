@@ -161,8 +161,7 @@ def _refuse_in_one_line(page: Dash, report: Callable[[BaseException], None]) -> 
 
     def answer_http_error(error: Exception) -> Response:
         if isinstance(error, HTTPException):
-            reason = error.description or error.name
-            return line(error.code or 500, reason)
+            return line(error.code or 500, error.description or error.name)
         if isinstance(error, (DependencyException, InvalidResourceError)):
             return line(404, "the page has no such file")
         if request.path == "/_dash-update-component" and not isinstance(error, DefectError):

@@ -23,7 +23,14 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, round_sizing
 from fem_seal.errors import InputError, LoadProblem
 from fem_seal.files import sentence
-from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
+from fem_seal.loads import (
+    LARGEST_TURNING,
+    Closing,
+    PressureSide,
+    expected_force,
+    line_load,
+    plastic_half_width,
+)
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.heating import Heating, heating_of, with_contact_temperatures
@@ -469,13 +476,9 @@ class SealProblem:
         fluid_pressure, applied_force : float
             [Pa], [N].
         """
-        return expected_force(
-            self.initial_contact_radius,
-            fluid_pressure,
-            applied_force,
-            self.loads.pressure_side,
-            "sealed-area" if self.on_sealed_area else "penetration",
-        )
+        closing: Closing = "sealed-area" if self.on_sealed_area else "penetration"
+        circle, side = self.initial_contact_radius, self.loads.pressure_side
+        return expected_force(circle, fluid_pressure, applied_force, side, closing)
 
     @property
     def hardness(self) -> float | None:

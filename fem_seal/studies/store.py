@@ -251,8 +251,7 @@ class Store:
 
     def _query_columns(self, *first: str) -> str:
         """Columns of a query: the first ones, then parameters and outputs."""
-        names = map(quote_column, (*self.inputs, *self.outputs))
-        return ", ".join([*first, *names])
+        return ", ".join([*first, *map(quote_column, (*self.inputs, *self.outputs))])
 
     def close(self) -> None:
         """Fold the write-ahead log into the file and close it."""
