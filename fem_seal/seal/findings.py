@@ -155,9 +155,9 @@ class Finding(Text):
         where = self.values.get("where")
         return self._part("place", display) or (f"at {write(where, display)}" if where else "")
 
-    def remedy(self, display: Display | None = None) -> str:
-        """What it means, and what helps."""
-        return self._part("remedy", display)
+    def remedy(self, display: Display | None = None, *, again: bool = False) -> str:
+        """What it means, and what helps; without what another finding of this kind has said before it."""
+        return (again and self._part("remedy_again", display)) or self._part("remedy", display)
 
     def text(self, display: Display | None = None) -> str:
         """All of it: what, where, and what helps; empty of what is silent."""

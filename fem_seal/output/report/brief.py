@@ -346,7 +346,7 @@ def _leaks_in_one_unit(display: Display, columns: Iterable[ReportColumn]) -> Ite
 
 
 def remarks_in_brief(result: SealSolution) -> dict[str, str]:
-    """The warnings as clauses, the worst first, with where they are, what they mean and what helps.
+    """The warnings as clauses, the worst first, with where they are, what they mean and what helps; that once.
 
     Of the force for a target not what is said of the loads already.
 
@@ -356,18 +356,18 @@ def remarks_in_brief(result: SealSolution) -> dict[str, str]:
     """
     display = result.display
     caution_of = {caution.text(display): caution for caution in all_cautions(result.answers)}
-    kinds, target = (
-        {caution.kind for caution in FINDINGS.of(result.answers).cautions},
-        TARGET.of(result.answers),
-    )
+    kinds = {caution.kind for caution in FINDINGS.of(result.answers).cautions}
+    target, entries = TARGET.of(result.answers), set[str]()
     again = {remark.text(display) for remark in target.remarks if remark.kind in kinds} if target else set()
     clauses: dict[str, str] = {}
     for text in result.warnings:
         if text in caution_of and text not in again:
             caution = caution_of[text]
-            place = caution.place(display)
-            texts = (f"{place[:1].upper()}{place[1:]}", caution.remedy(display))
-            clauses.setdefault(caution.reason(display), ". ".join(filter(None, texts)))
+            place, remedy = caution.place(display), caution.remedy(display, again=caution.entry in entries)
+            clauses.setdefault(
+                caution.reason(display), ". ".join(filter(None, (f"{place[:1].upper()}{place[1:]}", remedy)))
+            )
+            entries.add(caution.entry)
         elif text not in again:
             clauses.setdefault(text, "")
     return clauses
