@@ -120,6 +120,12 @@ class Problem(Text):
         What to do.
     entry : str
         Of templates/problems.toml, which has its texts; empty of what was said elsewhere.
+    kind : {"", "open", "strain", "limit", "path", "solution"}
+        Why a load cannot be calculated: the fluid or the spring opens the seal; it is more than the faces can carry, or
+        than a body that yields; a load before it on the path of such a body cannot be calculated; no solution was
+        found. Empty of all else.
+    body : str
+        Which yields through, by what it is called.
     """
 
     key: str
@@ -127,6 +133,8 @@ class Problem(Text):
     given: str | Text | None = None
     remedy: str | Text = field(default="", kw_only=True)
     entry: str = field(default="", kw_only=True)
+    kind: str = field(default="", kw_only=True)
+    body: str = field(default="", kw_only=True)
 
     def text(self, display: Any = None) -> str:
         """``key = value: message``, without the parts that do not exist; one line that may be printed."""
@@ -158,23 +166,6 @@ def join_remedy(says: str, remedy: str) -> str:
         The second may be empty.
     """
     return f"{says}{'. ' if remedy[0].isupper() else '; '}{remedy}" if remedy else says
-
-
-@dataclass(frozen=True)
-class LoadProblem(Problem):
-    """Why one load of a case cannot be calculated.
-
-    Parameters
-    ----------
-    kind : {"open", "strain", "limit", "path", "solution"}
-        The fluid or the spring opens the seal; it is more than the faces can carry, or than a body that yields; a load
-        before it on the path of such a body cannot be calculated; no solution was found.
-    body : str
-        Which yields through, by what it is called.
-    """
-
-    kind: str = "open"
-    body: str = ""
 
 
 class InputError(SealError, ValueError):
@@ -297,12 +288,12 @@ class OpenSealError(SealError, ValueError):
 
     Parameters
     ----------
-    message : str
+    message : str or Text
     blow_off_pressure : float, optional
         Fluid pressure at which it opens [Pa].
     """
 
-    def __init__(self, message: str, blow_off_pressure: float | None = None) -> None:
+    def __init__(self, message: str | Text, blow_off_pressure: float | None = None) -> None:
         super().__init__(message)
         self.blow_off_pressure = blow_off_pressure
 

@@ -19,7 +19,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import InputError, OutputError, QuantityError, SealError, TextTableError, join_remedy
+from fem_seal.errors import InputError, OutputError, Problem, QuantityError, SealError, TextTableError
 from fem_seal.units import parse_quantity
 from fem_seal.wording import Words, fill
 
@@ -101,10 +101,22 @@ def own_tables(name: str) -> dict[str, Any]:
     return tomllib.loads(files("fem_seal").joinpath("templates", name).read_text(encoding="utf-8"))
 
 
-def sentence(name: str, /, **values: object) -> Words:
-    """What a problem says and what to do, by its name in templates/problems.toml; see `fem_seal.case.words.problem`."""
+def problem(name: str, /, **values: object) -> Problem:
+    """One wrong entry, or with no key what is said of an input as a whole.
+
+    Parameters
+    ----------
+    name : str
+        Of its words in templates/problems.toml: says, and where there are some key, remedy, value and kind.
+    **values
+        What the words have in braces.
+    """
     entry = own_tables("problems.toml")[name]
-    return Words(join_remedy(entry["says"], entry.get("remedy", "")), values)
+    key, says, remedy, given = (
+        Words(entry.get(part, ""), values) for part in ("key", "says", "remedy", "value")
+    )
+    kind = entry.get("kind", "")
+    return Problem(str(key), says, given if "value" in entry else None, remedy=remedy, entry=name, kind=kind)
 
 
 def worded_rows(display: Display, name: str, /, **values: object) -> list[tuple[str, str]]:
@@ -121,10 +133,6 @@ def worded_rows(display: Display, name: str, /, **values: object) -> list[tuple[
     rows = own_tables("words.toml")["rows"][name]
     texts = {fill(display, key, **values): fill(display, text, **values) for key, text in rows.items()}
     return [row for row in texts.items() if row[1]]
-
-
-def _table_error(name: str, /, **values: object) -> TextTableError:
-    return TextTableError(sentence(name, **values))
 
 
 class TomlError(SealError, ValueError):
@@ -182,7 +190,7 @@ def _check_entry(path: str, entry: Any, levels: int) -> None:
         raise TomlError(_TOO_DEEP)
     if isinstance(entry, str) and len(entry) > _LONGEST_TEXT:
         raise TomlError(
-            f'{path}, "{entry[:20]} ...", has {len(entry)} characters; {_LONGEST_TEXT} are allowed'
+            problem("long_text", path=path, text=entry[:20], length=len(entry), most=_LONGEST_TEXT)
         )
     if isinstance(entry, list):
         for item in entry:
@@ -190,9 +198,7 @@ def _check_entry(path: str, entry: Any, levels: int) -> None:
     elif isinstance(entry, dict):
         for key, value in entry.items():
             if len(key) > _LONGEST_KEY:
-                raise TomlError(
-                    f'a key, "{key[:20]} ...", has {len(key)} characters; {_LONGEST_KEY} are allowed'
-                )
+                raise TomlError(problem("long_key", key=key[:20], length=len(key), most=_LONGEST_KEY))
             _check_entry(f"{path}.{key}".lstrip("."), value, levels - 1)
 
 
@@ -265,7 +271,7 @@ def _check_sizes(values: FloatArray, lines: tuple[int, ...], largest: float, wha
     if places.size:
         row = values.reshape(len(values), -1)[places[0]]
         number = float(row[int(np.argmax(np.abs(row)))])
-        raise _table_error("beyond_measure", line=lines[int(places[0])], number=number, what=what)
+        raise TextTableError(problem("beyond_measure", line=lines[int(places[0])], number=number, what=what))
 
 
 # What a column may be called, and its dimension: one of `fem_seal.units.DIMENSIONS`, or "strain".
@@ -294,8 +300,8 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     if not table.header:
         columns = table.values.shape[1]
         if table.lines_above:
-            raise _table_error(
-                "column_names", above=table.lines_above[-1][1][:60], columns=columns, example=example
+            raise TextTableError(
+                problem("column_names", above=table.lines_above[-1][1][:60], columns=columns, example=example)
             )
         raise TextTableError(f"has no header; name the columns and their units, {example}")
     words = [name_and_unit(header)[0] for header in table.header]
@@ -329,11 +335,11 @@ def _column_in_si(table: TextTable, place: int, dimension: str) -> FloatArray:
     unit = name_and_unit(header)[1]
     if dimension == "strain":
         if unit.lower() not in _STRAINS:
-            raise _table_error("unit_of_strain", header=header, unit=unit)
+            raise TextTableError(problem("unit_of_strain", header=header, unit=unit))
         return values * _STRAINS[unit.lower()]
     if not unit:
         example = {"length": "mm", "temperature": "degC"}.get(dimension, "MPa")
-        raise _table_error("column_without_unit", header=header, example=example)
+        raise TextTableError(problem("column_without_unit", header=header, example=example))
     try:
         if dimension == "temperature":
             # whose scales begin at different places

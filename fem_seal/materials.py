@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.wording import Quantity, Words
 
 # Where the numbers of a material hold unless a temperature is said [K].
@@ -59,11 +60,8 @@ class OverTemperature:
 
     def __post_init__(self) -> None:
         if len(self.temperature) != len(self.value) or not self.value:
-            raise InputError.at(
-                self.key,
-                "needs as many values as temperatures, at least one, and has "
-                f"{len(self.value)} and {len(self.temperature)}",
-            )
+            counts = {"values": len(self.value), "temperatures": len(self.temperature)}
+            raise InputError(problem("unequal_table", key=self.key, **counts))
         if any(after <= before for before, after in pairwise(self.temperature)):
             raise InputError.at(self.key, "the temperatures must increase from entry to entry")
 
@@ -102,13 +100,8 @@ class OverTemperature:
         if not self.nearest and not self.reaches(temperature):
             high = self.temperature[-1]
             far = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
-            raise InputError.at(
-                self.key,
-                Words(
-                    "is known {{ reach }} and asked for at {{ at }}; extend the table, or change the temperature",
-                    {"reach": self.reach, "at": in_degrees(float(far))},
-                ),
-            )
+            ends = {"reach": self.reach, "at": in_degrees(float(far))}
+            raise InputError(problem("beyond_table", key=self.key, **ends))
         values = np.interp(temperature, self.temperature, self.value)
         return values if np.ndim(temperature) else float(values)
 
@@ -187,28 +180,19 @@ class Material:
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise InputError.at(f"{self.name}: {key}", "must be a positive pressure [Pa]", repr(value))
         if not -1 < self.poissons_ratio < 0.5:
-            raise InputError.at(
-                f"{self.name}: poissons_ratio", "must lie between -1 and 0.5", repr(self.poissons_ratio)
-            )
+            raise InputError(problem("poissons_ratio", name=self.name, value=repr(self.poissons_ratio)))
         curves = self.hardening_over_temperature
         if self.hardening is None and curves is not None:
             object.__setattr__(self, "hardening", curves.next_to(ROOM_TEMPERATURE))
         if curves is not None and any(table.key == "yield_stress" for table in self.over_temperature):
-            raise InputError.at(
-                f"{self.name}: yield_stress",
-                "is a table over temperature, and the stress_strain curves have their own; leave yield_stress out",
-            )
+            raise InputError(problem("yield_stress_of_curves", name=self.name))
         if self.hardening is not None:
             self._yield_with(self.hardening)
 
     def _yield_with(self, hardening: HardeningCurve) -> None:
         if self.yield_stress not in (None, hardening.yield_stress):
-            raise InputError.at(
-                f"{self.name}: yield_stress",
-                f"contradicts stress_strain, which begins at {hardening.yield_stress / 1e6:.6g} MPa; leave "
-                "yield_stress out",
-                f"{(self.yield_stress or 0.0) / 1e6:.6g} MPa",
-            )
+            stresses = {"start": hardening.yield_stress / 1e6, "value": (self.yield_stress or 0.0) / 1e6}
+            raise InputError(problem("yield_stress_of_curve", name=self.name, **stresses))
         object.__setattr__(self, "yield_stress", hardening.yield_stress)
 
     def at(self, temperature: float) -> Material:
@@ -265,10 +249,7 @@ class Material:
             If it is not known, or not there.
         """
         if self.thermal_conductivity is None:
-            raise InputError.at(
-                f"{self.name}: thermal_conductivity",
-                "is not known, and the temperature of the seal is calculated; give it, in W/(m K)",
-            )
+            raise InputError(problem("no_conductivity", name=self.name))
         table = self.table("thermal_conductivity")
         if table is not None:
             return np.asarray(table.at(temperature))
@@ -311,10 +292,7 @@ class Material:
             table = self.table(_EXPANSION)
             coefficient = self.thermal_expansion if table is None else table.at(at)
             if coefficient is None:
-                raise InputError.at(
-                    f"{self.name}: thermal_expansion",
-                    "is not known, and the seal is heated or cooled; give it, in 1/K",
-                )
+                raise InputError(problem("no_thermal_expansion", name=self.name))
             return coefficient * (at - ROOM_TEMPERATURE)
 
         return since_room(temperature) - since_room(reference)
@@ -619,10 +597,7 @@ class _Row(NamedTuple):
 
 def _rows(strain: Sequence[float], stress: Sequence[float]) -> list[_Row]:
     if len(strain) != len(stress) or not stress:
-        raise InputError.at(
-            "stress_strain",
-            f"needs as many stresses as strains, at least one, and has {len(stress)} and {len(strain)}",
-        )
+        raise InputError(problem("unequal_curve", stresses=len(stress), strains=len(strain)))
     return [_Row(n, *pair) for n, pair in enumerate(zip(strain, stress, strict=True), start=1)]
 
 

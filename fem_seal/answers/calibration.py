@@ -37,8 +37,8 @@ from fem_seal.case.case import Case
 from fem_seal.case.measured import MeasuredLeak, with_fluid
 from fem_seal.case.roughness import HEIGHTS, UncertainFinish
 from fem_seal.case.tables import Uncertainty, curves
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, SealError
+from fem_seal.files import problem
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.evaluate import SILENT, evaluate_seal
 from fem_seal.seal.findings import Bounds

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.load_path import Imprint, UnloadedBodies
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone
-    from fem_seal.errors import LoadProblem
+    from fem_seal.errors import Problem
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import LeakModel
@@ -588,7 +588,7 @@ class SolvedSeal:
         return replace(first, loads=tuple(loads), other_parts=tuple(others))
 
     @property
-    def load_problems(self) -> dict[tuple[float, float], LoadProblem]:
+    def load_problems(self) -> dict[tuple[float, float], Problem]:
         """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
         return {load.point: load.problem for load in self.missing_loads}
 

@@ -14,8 +14,8 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.case.checks import check_formed
 from fem_seal.case.tables import curves
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.seal.findings import Level, Validity, caution
 from fem_seal.seal.load_solver import Progress
 from fem_seal.units import Display

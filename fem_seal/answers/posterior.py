@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, TextTableError
-from fem_seal.files import read_text_table, write_text
+from fem_seal.files import problem, read_text_table, write_text
 from leak import error_correlation
 
 _THEORY = "theory at {:.6e} Pa"

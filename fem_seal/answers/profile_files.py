@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.errors import InputError, QuantityError, TextTableError
-from fem_seal.files import column, drop_extremes, name_and_unit, read_any_text
+from fem_seal.files import column, drop_extremes, name_and_unit, problem, read_any_text
 from fem_seal.units import parse_quantity
 from fem_seal.wording import Quantity
 from leak.errors import TableError
@@ -107,9 +107,7 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
         steps = [step for table in read_tables(read_any_text(file)) for step in _steps(table)]
         in_contact = [step for step in steps if step.pressure.max() > _LOWEST_PRESSURE]
         if not in_contact:
-            raise TextTableError(
-                "contact pressure is zero in every row, or below 1 mPa: the bodies do not touch"
-            )
+            raise TextTableError(problem("profile_no_contact"))
         count = len(steps) - len(in_contact)
         remark = f"; {count} load step{'s' * (count > 1)} without contact pressure left out" if count else ""
         return tuple(_place(replace(step, remark=step.remark + remark), contact) for step in in_contact)
@@ -139,9 +137,7 @@ def _steps(table: TextTable) -> Iterator[_Step]:
     """The load steps of a table."""
     if table.stray is not None:
         number, line = table.stray
-        raise TextTableError(
-            f'line {number} ("{line[:40]}") is no row like line {table.lines[0]}; mend or remove it'
-        )
+        raise TextTableError(problem("profile_row", number=number, line=line[:40], first=table.lines[0]))
     roles = _roles(table)
     numbers = [place for role in (*_LENGTHS, "pressure", "fluid_pressure") for place in roles.get(role, ())]
     bad_rows = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
@@ -177,9 +173,7 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     if not table.header:
         columns = table.values.shape[1]
         context = f" (the line above them is {table.lines_above[-1][1][:60]!r})" if table.lines_above else ""
-        raise TextTableError(
-            f"has no header over its {columns} columns{context}; name each with its unit, {example}"
-        )
+        raise TextTableError(problem("profile_header", columns=columns, context=context, example=example))
     words = [name_and_unit(name)[0] for name in table.header]
     roles: dict[str, list[int]] = {}
     for place, word in enumerate(words):
@@ -237,8 +231,7 @@ def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
     if not is_inside.all():
         row = int(np.argmin(is_inside))
         raise TextTableError(
-            f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {table.lines[row]} has "
-            f"{Quantity(float(pressure[row]), 'given contact pressure')}: is the unit right?"
+            problem("profile_pressure", line=table.lines[row], pressure=float(pressure[row]))
         )
 
 
@@ -292,15 +285,14 @@ def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
         end = max(low, high, key=abs) if high - low > length else x[-1] - x[0]
         verb = "reaches" if high - low > length else "goes over"
         raise TextTableError(
-            f"x {verb} {_mm(end)}, the contact circle has a radius of {_mm(touch)}: is the unit right? ({remark})"
+            problem("profile_reach", verb=verb, end=_mm(end), touch=_mm(touch), remark=remark)
         )
     ends = contact.reach
     if low < ends[0] - _TOLERANCE * length or high > ends[1] + _TOLERANCE * length:
-        raise TextTableError(
-            f"the contact pressure goes from x = {_mm(low)} to {_mm(high)}, the faces of the case stand in front of "
-            f"each other from {_mm(ends[0])} to {_mm(ends[1])}, where x = 0 is first touch at r = {_mm(touch)} "
-            f"({remark}); name a radius r, and check the unit and the case"
+        words = dict(
+            zip(("low", "high", "start", "end", "touch"), map(_mm, (low, high, *ends, touch)), strict=True)
         )
+        raise TextTableError(problem("profile_beside_faces", **words, remark=remark))
     return ImportedProfile(x, pressure, radius, step.fluid_pressure, remark)
 
 
@@ -336,21 +328,15 @@ def _arc_with_radius(
         offset = (by_radius - x)[mask]
         width = float(np.ptp(x[mask]))
         if np.ptp(offset) > _TOLERANCE * width + _NARROWEST * contact.initial_contact_radius:
-            raise TextTableError(
-                f"r contradicts the case: along the {contact.seat.label} it takes "
-                f"{_mm(float(np.ptp(by_radius[mask])))} from its first radius with pressure to its last, x goes "
-                f"over {_mm(width)} ({remark})"
-            )
+            words = {"seat": contact.seat.label, "by_radius": _mm(float(np.ptp(by_radius[mask])))}
+            raise TextTableError(problem("profile_radius_and_arc", **words, width=_mm(width), remark=remark))
         return x if _touches_at_zero(x, pressure) else x + float(np.median(offset))
     x, _ = _from_touch(x, pressure, remark)
     radii = contact.radius(x[mask])
     # one radius for all points will do
     if abs(r[mask].mean() / radii.mean() - 1.0) > _SAME_RADIUS:
-        raise TextTableError(
-            f"r contradicts the case: it goes from {_mm(float(r[mask].min()))} to {_mm(float(r[mask].max()))}, "
-            f"the {contact.seat.label} at these x from {_mm(float(radii.min()))} to {_mm(float(radii.max()))} "
-            f"({remark})"
-        )
+        words = {"radius": _from_to(r[mask]), "seat": contact.seat.label, "face": _from_to(radii)}
+        raise TextTableError(problem("profile_radius", **words, remark=remark))
     return x
 
 
@@ -380,15 +366,12 @@ def _of_points(
             if turn <= _TOLERANCE and (best is None or distance < best[0]):
                 best = distance, axis, r
     if best is None:
-        spans = ", ".join(f"{name} from {_mm(float(v.min()))} to {_mm(float(v.max()))}" for name, v in points)
+        spans = ", ".join(f"{name} from {_from_to(v)}" for name, v in points)
         face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
-        raise TextTableError(
-            f"{names}: {_MAP}"
-            if over_a_surface
-            else f"the points of {names} ({spans}) do not lie on the face of the {contact.seat.label}, "
-            f"whose radius goes from {_mm(float(face.min()))} to {_mm(float(face.max()))}; check unit and case, "
-            "or name the arc length s"
-        )
+        if over_a_surface:
+            raise TextTableError(f"{names}: {_MAP}")
+        words = {"seat": contact.seat.label, "face": _from_to(face)}
+        raise TextTableError(problem("profile_off_face", names=names, spans=spans, **words))
     _, axis, r = best
     others = " and ".join(f'"{name}"' for n, (name, _) in enumerate(coords) if n != axis)
     gives = "give" if len(coords) > 2 else "gives"
@@ -451,26 +434,18 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, rema
     """x of radii on the seat; points beside its face may carry nothing."""
     x = _x_of_radius(contact, r)
     if x is None:
-        raise TextTableError(
-            f"on this {contact.seat.label} a radius does not tell the place ({remark}); give arc lengths"
-        )
+        raise TextTableError(problem("profile_place", seat=contact.seat.label, remark=remark))
     mask = pressure > _PRESSED_SHARE * pressure.max()
     if np.isnan(x[mask]).any():
         face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
-        raise TextTableError(
-            f"r contradicts the case: the contact pressure goes from r = {_mm(float(r[mask].min()))} to "
-            f"{_mm(float(r[mask].max()))}, the face of the {contact.seat.label} from {_mm(float(face.min()))} to "
-            f"{_mm(float(face.max()))}, first touch is at {_mm(contact.initial_contact_radius)} ({remark}); "
-            "check unit and case"
-        )
+        words = {"radius": _from_to(r[mask]), "seat": contact.seat.label, "face": _from_to(face)}
+        words |= {"touch": _mm(contact.initial_contact_radius), "remark": remark}
+        raise TextTableError(problem("profile_off_contact", **words))
     peak = int(np.argmax(pressure))
     gap, touch = contact.gap(x[peak : peak + 1]), contact.initial_contact_radius
     if abs(r[peak] / touch - 1.0) > _TOLERANCE and not gap[0] < 1e-3 * touch:
-        raise TextTableError(
-            f"r contradicts the case: the contact pressure is highest at r = {_mm(float(r[peak]))}, "
-            f"{contact.closure.label} and {contact.seat.label} of the case touch first at {_mm(touch)} ({remark}); "
-            "check unit and case"
-        )
+        words = {"closure": contact.closure.label, "seat": contact.seat.label, "remark": remark}
+        raise TextTableError(problem("profile_peak", peak=_mm(float(r[peak])), touch=_mm(touch), **words))
     return x
 
 
@@ -485,11 +460,7 @@ def _from_touch(x: FloatArray, pressure: FloatArray, remark: str) -> tuple[Float
     if _touches_at_zero(x, pressure):
         return x, remark
     if abs(x.min()) > 1e-6 * np.ptp(x):
-        peak = float(x[np.argmax(pressure)])
-        raise TextTableError(
-            f"the contact pressure is highest at x = {_mm(peak)}, and zero at x = 0; an arc length x is zero at first "
-            f"touch, or where its path begins ({remark}). Name a radius r"
-        )
+        raise TextTableError(problem("profile_arc", peak=_mm(float(x[np.argmax(pressure)])), remark=remark))
     order = np.argsort(x, kind="stable")
     area, moment = (float(np.trapezoid(values[order], x[order])) for values in (pressure, pressure * x))
     centre = moment / area
@@ -510,15 +481,15 @@ def _merge_places(
     lowest, highest = np.minimum.reduceat(pressure, starts), np.maximum.reduceat(pressure, starts)
     worst = int(np.argmax(highest - lowest))
     if highest[worst] - lowest[worst] > _SAME_PRESSURE * pressure.max():
-        raise TextTableError(
-            f"at x = {_mm(float(x[starts[worst]]))} the contact pressure is from "
-            f"{Quantity(float(lowest[worst]), 'given contact pressure')} to "
-            f"{Quantity(float(highest[worst]), 'given contact pressure')}: several load steps need a column that "
-            f"tells them apart, such as fluid_pressure [bar]; otherwise {_MAP}"
-        )
+        words = {"low": float(lowest[worst]), "high": float(highest[worst]), "map": _MAP}
+        raise TextTableError(problem("profile_several_steps", x=_mm(float(x[starts[worst]])), **words))
     mean = np.add.reduceat(pressure, starts) / counts
     return x[starts], mean, None if radius is None else radius[order][starts]
 
 
 def _mm(length: float) -> str:
     return str(Quantity(length, ".4g mm")).replace("-", "−")
+
+
+def _from_to(lengths: FloatArray) -> str:
+    return f"{_mm(float(lengths.min()))} to {_mm(float(lengths.max()))}"

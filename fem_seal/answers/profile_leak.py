@@ -10,8 +10,8 @@ import numpy as np
 
 from fem_seal.answers.case_load import CaseLoad, case_loads
 from fem_seal.answers.profile_files import ImportedProfile
-from fem_seal.errors import InputError, Problem
-from fem_seal.files import sentence
+from fem_seal.errors import InputError
+from fem_seal.files import problem as problem_of
 from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, LoadResult
@@ -52,23 +52,12 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     surface, flow = problem.surface, problem.flow
     if surface is None or flow is None:
         names = [name for name, value in (("roughness", surface), ("fluid", flow)) if value is None]
-        raise InputError(
-            *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in names),
-            file=problem.file,
-        )
+        raise InputError(*(problem_of("profile_without", name=name) for name in names), file=problem.file)
     if problem.loads.preparation:
-        raise InputError.at(
-            "load.largest_earlier_force or load.largest_earlier_pressure",
-            "the contact of that load is not solved for profiles that come from elsewhere; remove it",
-            file=problem.file,
-        )
+        raise InputError(problem_of("profile_load_before"), file=problem.file)
     peaks = [float(profile.pressure.max()) for profile in profiles]
     if problem.form is not None:
-        raise InputError.at(
-            "form",
-            "a given contact is that of a round seal; no form error, scratch or lay is added to it, remove the table",
-            file=problem.file,
-        )
+        raise InputError(problem_of("profile_form"), file=problem.file)
     rough = LeakModel(surface, flow, partial(_conductivity, peaks))
     fluid_pressures = _fluid_pressures(problem, profiles)
     _refuse_far_too_weak(problem, peaks, fluid_pressures)
@@ -94,12 +83,8 @@ def _fluid_pressures(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     if count == len(profiles) == len(of_case):
         return [[pressure] for pressure in of_case]
     if count:
-        raise InputError.at(
-            "load.fluid_pressure",
-            f"the file holds {len(profiles)} load steps and does not say their fluid pressures, the case has "
-            f"{len(of_case)}; give as many, or add a column fluid_pressure [bar] to the file",
-            file=problem.file,
-        )
+        counts = {"steps": len(profiles), "loads": len(of_case)}
+        raise InputError(problem_of("profile_pressures", **counts), file=problem.file)
     return [[profile.fluid_pressure] for profile in profiles if profile.fluid_pressure]
 
 
@@ -110,9 +95,7 @@ def _refuse_far_too_weak(
     if all(peak < _FAR_TOO_WEAK * min(loads) for peak, loads in zip(peaks, fluid_pressures, strict=True)):
         peak = max(peaks)
         loads = fluid_pressures[peaks.index(peak)]
-        raise InputError.at(
-            "load.fluid_pressure", sentence("far_too_weak", peak=peak, pressure=min(loads)), file=problem.file
-        )
+        raise InputError(problem_of("far_too_weak", peak=peak, pressure=min(loads)), file=problem.file)
 
 
 def _conductivity(peaks: Sequence[float], flow: FlowModel, surface: RoughContact) -> Conductivity:

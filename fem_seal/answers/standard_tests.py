@@ -18,7 +18,7 @@ from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.verdict import VERDICT, missing_verdict
 from fem_seal.case.case import Case
 from fem_seal.case.tables import RELIEF
-from fem_seal.errors import LoadProblem, NoLoadLeftError, SealError
+from fem_seal.errors import NoLoadLeftError, SealError
 from fem_seal.seal.findings import Bounds
 from leak.standards import ClosureTest
 
@@ -137,7 +137,7 @@ def _without_result(case: Case, test: ClosureTest, error: Exception) -> TestedLo
     """The row of a test whose load has no result: it opens the seal, or nothing is known."""
     pressure, (nearest, force) = _load_of_test(case, test)
     point, problem = (pressure, force), getattr(error, "problems", (None,))[0]
-    if isinstance(problem, LoadProblem):
+    if problem is not None and problem.kind:
         # the limit, from the test's fluid in a load that the seal holds
         judgement = missing_verdict(under_test(case, test, at=nearest), point, problem)
     else:

@@ -24,7 +24,7 @@ from fem_seal.answers.leakage_class import limit_of_rate, limits
 from fem_seal.answers.two_flanges import load_of_parts
 from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
-from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
+from fem_seal.errors import ConvergenceError, InputError, OpenSealError, Problem
 from fem_seal.seal.evaluate import evaluate_seal
 from fem_seal.seal.findings import sentence
 from fem_seal.seal.load_result import LoadResult
@@ -86,7 +86,7 @@ def with_verdicts(case: Case, loads: Sequence[CaseLoad], *, complete: bool = Tru
 def seal_verdict(
     case: Case,
     loads: Sequence[CaseLoad],
-    load_problems: Mapping[tuple[float, float], LoadProblem],
+    load_problems: Mapping[tuple[float, float], Problem],
     hardness: float | None = None,
 ) -> SealVerdict | None:
     """What is said of the seal; None without a requirement.
@@ -122,7 +122,7 @@ def seal_verdict(
     return SealVerdict(worst, *point, number, numbers, len(left_out), shares)
 
 
-def missing_verdict(case: Case, point: tuple[float, float], problem: LoadProblem) -> LoadVerdict:
+def missing_verdict(case: Case, point: tuple[float, float], problem: Problem) -> LoadVerdict:
     """What is said of a load that has no result.
 
     Parameters
@@ -131,7 +131,7 @@ def missing_verdict(case: Case, point: tuple[float, float], problem: LoadProblem
         With a requirement.
     point : tuple of float
         Fluid pressure [Pa] and applied force [N].
-    problem : LoadProblem
+    problem : Problem
         Why it has none.
     """
     limit = limits(case, point[0])[0]

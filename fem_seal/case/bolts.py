@@ -10,7 +10,7 @@ from fem_seal.bolts import STRESS_AREAS, nominal_diameter, preload_of_torque
 from fem_seal.case.fields import Number, OneOrMany, Quantity, Table, WholeNumber
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.temperature import Kelvin
-from fem_seal.case.words import wrong
+from fem_seal.files import problem
 
 # Nut factor where the state of the bolts is not known (Shigley, table 8-15: from memory).
 NUT_FACTOR = 0.2
@@ -37,15 +37,15 @@ class BoltsTable(Table):
     def _consistent(self) -> BoltsTable:
         has_diameter = self.size is not None and nominal_diameter(self.size) is not None
         if (self.torque is None) == (self.preload is None):
-            raise wrong("bolts_preload")
+            raise ValueError(problem("bolts_preload"))
         if self.size is not None and not has_diameter:
-            raise wrong("bolts_size", size=self.size)
+            raise ValueError(problem("bolts_size", size=self.size))
         if self.stress_area is None and self._thread not in STRESS_AREAS:
-            raise wrong("bolts_area", known=", ".join(STRESS_AREAS))
+            raise ValueError(problem("bolts_area", known=", ".join(STRESS_AREAS)))
         if self.torque is not None and not has_diameter:
-            raise wrong("bolts_diameter")
+            raise ValueError(problem("bolts_diameter"))
         if self.material is None and self.youngs_modulus is None:
-            raise wrong("bolts_modulus")
+            raise ValueError(problem("bolts_modulus"))
         return self
 
     @property

@@ -37,9 +37,8 @@ from fem_seal.case.roughness import FinishTable, roughness_like
 from fem_seal.case.tables import CaseTables, Uncertainty
 from fem_seal.case.temperature import with_film_temperature
 from fem_seal.case.tightening import apply_preloads
-from fem_seal.case.words import problem
-from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
-from fem_seal.files import read_toml, write_text
+from fem_seal.errors import InputError, NoLoadLeftError, Problem
+from fem_seal.files import problem, read_toml, write_text
 from fem_seal.materials import ROOM_TEMPERATURE, Material
 from fem_seal.units import DIMENSIONS
 from meshes import ContactGeometry, GeometryError, Shape
@@ -206,7 +205,7 @@ class Case(CaseTables):
             object.__setattr__(self, name, table)
         conflicts = [as_written(conflict, tables) for conflict in contradictions(self)]
         if conflicts:
-            none_left = all(isinstance(conflict, LoadProblem) for conflict in conflicts)
+            none_left = all(conflict.kind for conflict in conflicts)
             raise (NoLoadLeftError if none_left else InputError)(*conflicts)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
         self._input = tables
@@ -456,9 +455,7 @@ def case_of(source: CaseSource) -> Case:
         return source
     if isinstance(source, (str, os.PathLike, Mapping)):
         return load_case(source)
-    raise InputError.at(
-        "case", f"must be a Case, the path of a case file or its tables, not {type(source).__name__}"
-    )
+    raise InputError(problem("case_source", kind=type(source).__name__))
 
 
 def _place_results(tables: dict[str, Any], path: Path) -> None:
@@ -567,17 +564,13 @@ def _nest_value(old: Any, path: Sequence[str], value: Any, parents: tuple[str, .
     place = ".".join(parents)
     if not isinstance(old, (list, tuple)):
         if key.isdecimal() and parents:
-            raise InputError.at(
-                f"{place}.{key}", f"{place} is no list whose entries could be changed; give all of it"
-            )
+            raise InputError(problem("no_list", place=place, key=key))
         old_value = old.get(key) if isinstance(old, Mapping) else None
         return {key: _nest_value(old_value, rest, value, (*parents, key))}
     if not key.isdecimal() or int(key) >= len(old):
         few = {0: "it is empty", 1: "0 is its only entry"}
         numbers = few.get(len(old), f"it has 0 to {len(old) - 1}")
-        raise InputError.at(
-            f"{place}.{key}", f"{place} is a list, entries are named by their number: {numbers}"
-        )
+        raise InputError(problem("entry_of_list", place=place, key=key, numbers=numbers))
     number = int(key)
     entry = _nest_value(old[number], rest, value, (*parents, key))
     if isinstance(entry, Mapping) and isinstance(old[number], dict):

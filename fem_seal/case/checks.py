@@ -16,11 +16,10 @@ from fem_seal.case.shapes import FlangeFace
 from fem_seal.case.tables import RELIEF, CaseTables, Leak, Requirement, Uncertainty, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.tightening import problems_of_bolts
-from fem_seal.case.words import load_problem, problem, sentence
-from fem_seal.errors import InputError, LoadProblem, Problem
-from fem_seal.files import UnreadableFileError, check_file
+from fem_seal.errors import InputError, Problem
+from fem_seal.files import UnreadableFileError, check_file, problem
 from fem_seal.loads import CONSTRAINT, LARGEST_TURNING, contact_force, line_load, plastic_half_width
-from fem_seal.wording import Quantity, Words
+from fem_seal.wording import Quantity
 from meshes import ContactGeometry, GeometryError
 from meshes.errors import mm
 from meshes.geometry.contact_geometry import facets_at
@@ -551,7 +550,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         yield problem("uncertainty_spectrum")
 
 
-def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, Words]]:
+def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, Problem]]:
     """What is said of the faces that touch: name of the finding, body and text.
 
     A body may be touched first beside the face that its shape is named after, or on short lines that stand for a curve.
@@ -569,7 +568,7 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, Words]]:
         if face is not None and not face.holds(radius):
             side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)
             words = {"key": case.key_of(name), "shape": table.shape, "face": face.name}
-            yield "touched_beside", name, sentence(f"touched_{side}", **words, radius=mm(radius), end=mm(end))
+            yield "touched_beside", name, problem(f"touched_{side}", **words, radius=mm(radius), end=mm(end))
         if (
             name == "seat"
             and face is not None
@@ -585,14 +584,14 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, Words]]:
                 ends = (mm(radius) for radius in (face.inner, face.outer, upper.inner, upper.outer))
                 words = dict(zip(("inner", "outer", "closure_inner", "closure_outer"), ends, strict=True))
                 names = {"key": case.key_of(name), "shape": table.shape, "upper": case.label_of("closure")}
-                text = sentence("land_beyond_face", face=upper.name, **names, **words)
+                text = problem("land_beyond_face", face=upper.name, **names, **words)
                 yield "land_beyond_face", name, text
         if facets := facets_at(curve, radius):
             length = mm(sum(s.length for s in facets) / len(facets))
             yield (
                 "facets",
                 name,
-                sentence("facets", body=case.label_of(name), count=len(facets), length=length),
+                problem("facets", body=case.label_of(name), count=len(facets), length=length),
             )
 
 
@@ -604,7 +603,7 @@ _CRUSHING_PRESSURE = 0.25
 MOST_TURNED = 0.4
 
 
-def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
+def refused_loads(case: CaseTables) -> dict[int, Problem]:
     """Loads of a case of which is known before anything is solved that they cannot be calculated, by their numbers.
 
     Parameters
@@ -612,28 +611,27 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
     case : CaseTables
         Whose tables fit together otherwise.
     """
-    problems: dict[int, LoadProblem] = {}
+    problems: dict[int, Problem] = {}
     crushing_load = None
     for number, (pressure, applied_force) in enumerate(case.load.points):
-        problem = _opening_problem(case, pressure, applied_force) or _strain_problem(
-            case, pressure, applied_force
-        )
-        if problem is None and crushing_load is not None:
-            problem = load_problem("after_a_load", "path", load=crushing_load)
-        if problem is not None:
-            problems[number] = problem
-            if problem.kind == "strain" and crushing_load is None and curves(case):
+        load = case, pressure, applied_force
+        refusal = _opening_problem(*load) or _strain_problem(*load)
+        if refusal is None and crushing_load is not None:
+            refusal = problem("after_a_load", load=crushing_load)
+        if refusal is not None:
+            problems[number] = refusal
+            if refusal.kind == "strain" and crushing_load is None and curves(case):
                 crushing_load = f"that at {pressure / 1e5:.6g} bar"
     return problems
 
 
-def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
+def problems_of_all_loads(case: CaseTables) -> list[Problem]:
     """Why no load of a case can be calculated, one problem of each kind; empty if one can."""
     problems = refused_loads(case)
     if len(problems) < len(case.load.points):
         return []
     force = dict(enumerate(case.expected_force(*point) for point in case.load.points))
-    worst: dict[str, LoadProblem] = {}
+    worst: dict[str, Problem] = {}
     for number in sorted(problems, key=lambda number: -abs(force[number])):
         # the worst of its kind: what is allowed there is allowed to the others as well
         worst.setdefault(problems[number].kind, problems[number])
@@ -656,7 +654,7 @@ def check_formed(case: CaseTables) -> None:
         raise InputError(problem("table_formed_less", key=load.earlier_key, formed=forming, largest=largest))
 
 
-def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
+def problem_of_earlier_load(case: CaseTables) -> Problem | None:
     """Why the largest load before all others cannot be calculated; None if it can or there is none.
 
     Parameters
@@ -666,15 +664,12 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
     if case.load.earlier is None:
         return None
     pressure, force = case.load.earlier
-    open_seal, key = (
-        None if pressure == 0.0 else _opening_problem(case, pressure, force),
-        case.load.earlier_key,
-    )
-    problem = open_seal or _strain_problem(case, pressure, force, key.removeprefix("load."))
-    return None if problem is None else replace(problem, key=key)
+    key, open_seal = case.load.earlier_key, _opening_problem(case, pressure, force) if pressure else None
+    refusal = open_seal or _strain_problem(case, pressure, force, key.removeprefix("load."))
+    return None if refusal is None else replace(refusal, key=key)
 
 
-def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
+def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: float) -> Problem | None:
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
     load, r0 = case.load, case.initial_contact_radius
     lifts = load.pressure_side == "inner"
@@ -687,8 +682,8 @@ def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: flo
         return None
     if case.bolts is not None:
         forces = {"force": lift, "applied": applied_force}
-        return load_problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **forces)
-    return load_problem(
+        return problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **forces)
+    return problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure,
         **case.labels,
@@ -705,7 +700,7 @@ def _strain_problem(
     fluid_pressure: float,
     applied_force: float,
     lower: str = "fluid_pressure or applied_force",
-) -> LoadProblem | None:
+) -> Problem | None:
     """What a load is that the faces cannot carry over all their length; `lower` is what to lower.
 
     How large the strains of a smaller load are is said after it is solved (`fem_seal.validity.checks`); what a stop
@@ -724,7 +719,7 @@ def _strain_problem(
         capacity = share * strength * length
         if f > capacity:
             forces = {"force": force, "most": force * capacity / f}
-            return load_problem(name, "strain", **forces, length=mm(length), share=share, lower=lower)
+            return problem(name, **forces, length=mm(length), share=share, lower=lower)
     if not hardened or any(len(curve.stress) == 1 for curve in curves(case)):
         # what a body bears that does not harden is found on the way to the load
         return None
@@ -736,7 +731,7 @@ def _strain_problem(
     share = _largest_share(lambda share: turning_angle(contact, share * half_width) <= LARGEST_TURNING)
     forces = {"force": force, "most": force * share}
     limits_of = {"turned": angle, "largest": LARGEST_TURNING}
-    return load_problem("turned", "strain", **forces, **limits_of, width=2 * half_width, lower=lower)
+    return problem("turned", **forces, **limits_of, width=2 * half_width, lower=lower)
 
 
 # Places of each side at which the gap is looked at, and halvings until the force is known to two digits.

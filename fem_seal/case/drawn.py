@@ -13,9 +13,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.shapes import Body, Closure, Gasket, HeldSeat
-from fem_seal.case.words import problem
 from fem_seal.errors import Problem
-from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
+from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file, problem
 from leak.extras import say_missing
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
 from meshes.drawings.half_section import profile_of

@@ -17,9 +17,8 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
-from fem_seal.case.words import wrong
 from fem_seal.errors import QuantityError, printable
-from fem_seal.files import own_tables
+from fem_seal.files import own_tables, problem
 from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity, short_text
 from leak.standards import BUBBLE_VOLUME, DROP_VOLUME, STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
@@ -149,9 +148,8 @@ class OneOrRange(OneOrMany):
             low, high = ends if len(ends) == 2 else (1.0, 0.0)
             if not low < high <= _WIDEST * low:
                 texts = [show(end) for end in entry]
-                raise wrong(
-                    "wide_range" if low < high else "no_range", ends=" to ".join(texts), widest=_WIDEST
-                )
+                name = "wide_range" if low < high else "no_range"
+                raise ValueError(problem(name, ends=" to ".join(texts), widest=_WIDEST))
         return ends
 
 
@@ -195,9 +193,7 @@ class NominalSizeEntry(Quantity):
 
         size = read_nominal_size(short_text(text, self.dimension)) if isinstance(text, str) else None
         if size is None and re.match(r"\s*(DN|NPS)\b", str(text), flags=re.IGNORECASE):
-            raise ValueError(
-                'DN and NPS are sizes of a list and have no unit; write "DN 80", "NPS 3", or a length, "80 mm"'
-            )
+            raise ValueError(problem("nominal_size"))
         return super().read(text) if size is None else size
 
     @property
@@ -321,7 +317,7 @@ class Pressures(Several):
         if spacing not in ("linear", "log"):
             raise ValueError(f'spacing, {show(spacing)}, must be "linear" or "log"')
         if start >= stop:
-            raise wrong("falling_range", start=show(table["start"]), stop=show(table["stop"]))
+            raise ValueError(problem("falling_range", start=show(table["start"]), stop=show(table["stop"])))
         if spacing == "linear":
             return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
         return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)
@@ -367,7 +363,7 @@ class OverTemperatureTable(Entry):
         if set(value) != {"temperature", "value"} or not all(
             isinstance(column, (list, tuple)) and column for column in value.values()
         ):
-            raise wrong("over_temperature")
+            raise ValueError(problem("over_temperature"))
         return (
             _read_each(TEMPERATURE, value["temperature"], "temperature"),
             _read_each(self.element, value["value"], "value"),
@@ -497,7 +493,7 @@ class WholeNumber(Number):
     def read(self, value: object) -> int:
         """Value as int; ValueError if it is no whole number in the range."""
         if isinstance(value, bool) or not isinstance(value, int):
-            raise wrong("no_whole_number", range=self.range)
+            raise ValueError(problem("no_whole_number", range=self.range))
         super().read(value)
         return value
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import ConfigDict, Field, model_validator
 
 from fem_seal.case.fields import AbsolutePressure, Number, Numbers, OneOrMany, Quantity, Table, show
-from fem_seal.case.words import wrong
 from fem_seal.errors import InputError, QuantityError
+from fem_seal.files import problem
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
 from leak.standards import STANDARD_PRESSURE
 
@@ -82,7 +82,7 @@ class Fluid(Table):
         entry = _entry(name, _temperature(table))
         if entry is None:
             if "viscosity" not in table and name:
-                raise wrong("unknown_fluid", name=show(name), known=_suggest_fluid(name))
+                raise ValueError(problem("unknown_fluid", name=show(name), known=_suggest_fluid(name)))
             return table
         entries = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
         if hasattr(entry, "molar_mass"):

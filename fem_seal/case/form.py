@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from fem_seal.case.fields import Quantity, Table, WholeNumber, show
-from fem_seal.case.words import sentence, wrong
-from fem_seal.errors import TextTableError
+from fem_seal.errors import Problem, TextTableError
+from fem_seal.files import problem
 from fem_seal.form import (
     Direction,
     FormError,
@@ -21,7 +21,6 @@ from fem_seal.form import (
     combine_waves,
     rigid_wave,
 )
-from fem_seal.wording import Words
 
 MOST_WAVES = 500
 DEVIATION = Quantity("length", "0 m", "1 mm")
@@ -64,7 +63,9 @@ class MeasuredTrace(Table):
         except TextTableError as error:
             raise ValueError(f"file = {show(self.file)} {error}") from None
         if trace.most_waves < 2:
-            raise wrong("sparse_trace", file=show(self.file), gap=math.degrees(trace.widest_gap))
+            raise ValueError(
+                problem("sparse_trace", file=show(self.file), gap=math.degrees(trace.widest_gap))
+            )
         object.__setattr__(self, "_trace", trace)
         return self
 
@@ -79,7 +80,7 @@ class MeasuredTrace(Table):
         """Most waves per turn that are taken: what is asked for, and what the points can tell."""
         return min(self.waves, self.trace.most_waves)
 
-    def remarks(self, body: str) -> list[Words]:
+    def remarks(self, body: str) -> list[Problem]:
         """What is to be said about the trace.
 
         Parameters
@@ -90,12 +91,12 @@ class MeasuredTrace(Table):
         lines = []
         if self.usable_waves < self.waves:
             gap = math.degrees(self.trace.widest_gap)
-            lines.append(sentence("few_waves", body=body, gap=gap, told=self.usable_waves, waves=self.waves))
+            lines.append(problem("few_waves", body=body, gap=gap, told=self.usable_waves, waves=self.waves))
         waves = self.trace.waves(self.usable_waves)
         rest, height = self.trace.residual(waves), math.sqrt(sum(w.amplitude**2 for w in waves[1:]) / 2)
         if rest > height:
             heights = {"rest": 1e6 * rest, "height": 1e6 * height}
-            lines.append(sentence("short_waves", body=body, told=self.usable_waves, **heights))
+            lines.append(problem("short_waves", body=body, told=self.usable_waves, **heights))
         return lines
 
 
@@ -177,7 +178,7 @@ class BodyForm(Table):
         if self.tolerance is None and "tolerance_waves" in self.model_fields_set:
             raise ValueError("tolerance_waves is only for a tolerance; give tolerance as well, or remove it")
         if self.tolerance_waves[0] > self.tolerance_waves[1]:
-            raise wrong("tolerance_waves", waves=list(self.tolerance_waves))
+            raise ValueError(problem("tolerance_waves", waves=list(self.tolerance_waves)))
         return self
 
     @property
@@ -212,7 +213,7 @@ class Form(Table):
             name: part for name, part in (("closure", self.closure), ("seat", self.seat)) if part is not None
         }
 
-    def without_effect(self, angle: float) -> list[Words]:
+    def without_effect(self, angle: float) -> list[Problem]:
         """What is given and changes nothing, in words.
 
         Parameters
@@ -221,13 +222,13 @@ class Form(Table):
             Of the contact normal to the axis [rad].
         """
         rigid = [key for key in ("eccentricity", "tilt") if getattr(self, key) and self.guide == "free"]
-        remarks = [sentence("free_closure", key=key) for key in rigid]
+        remarks = [problem("free_closure", key=key) for key in rigid]
         for name, part in self.parts.items():
             if self.guide == "free" and any(wave.waves == 1 and wave.amplitude for wave in part.harmonics):
-                remarks.append(sentence("one_wave", body=name))
+                remarks.append(problem("one_wave", body=name))
             if abs(along_normal(part.direction, _normal(angle))) < _LEAST_SHARE:
                 way = "axial" if part.direction == "radial" else "radial"
-                remarks.append(sentence("across_normal", body=name, direction=part.direction, other=way))
+                remarks.append(problem("across_normal", body=name, direction=part.direction, other=way))
         return remarks
 
     def error(self, angle: float, initial_contact_radius: float) -> FormError:

@@ -29,9 +29,8 @@ from fem_seal.case.fields import (
     Table,
     quantities_of,
 )
-from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
-from fem_seal.files import Names, column, find_columns, own_tables, read_text_table
+from fem_seal.files import Names, column, find_columns, own_tables, problem, read_text_table
 from fem_seal.materials import (
     ROOM_TEMPERATURE,
     HardeningCurve,
@@ -302,12 +301,7 @@ def library_curve(name: str) -> LibraryCurve:
     curve = CURVES.get(library_name(name) or "")
     if curve is None:
         names = ", ".join(f'"{material_name}"' for material_name in CURVES)
-        raise InputError.at(
-            "stress_strain",
-            f"the library has no curve of {name or 'a material without a name'}, only of {names}; write one out, "
-            'such as { plastic_strain = [0, 0.1], stress = ["250 MPa", "350 MPa"] }',
-            '"library"',
-        )
+        raise InputError(problem("library_curve", name=name or "a material without a name", names=names))
     return curve
 
 
@@ -386,7 +380,7 @@ def _read(table: TextTable) -> list[TensileTest]:
     places = find_columns(table, _NAMES, 'such as "plastic_strain, stress_MPa"')
     kinds = [kind for kind in ("plastic_strain", "strain") if kind in places]
     if len(kinds) != 1 or "stress" not in places:
-        raise TextTableError(sentence("curve_columns", columns=", ".join(table.header)))
+        raise TextTableError(problem("curve_columns", columns=", ".join(table.header)))
 
     def read(role: str) -> list[float]:
         numbers: list[float] = column(table, places[role], _NAMES[role][0]).tolist()
@@ -400,7 +394,7 @@ def _read(table: TextTable) -> list[TensileTest]:
     for temperature, group in groupby(rows, key=itemgetter(0)):
         _, strains, stresses = zip(*group, strict=True)
         if any(test.temperature == temperature for test in tests):
-            raise TextTableError(sentence("curve_rows", temperature=in_degrees(temperature)))
+            raise TextTableError(problem("curve_rows", temperature=in_degrees(temperature)))
         tests.append(TensileTest(kinds[0], strains, stresses, temperature))
     return tests
 
@@ -424,7 +418,7 @@ class StressStrain(Table):
         is_in_case = self.file is None and strains.count(None) == 1 and self.stress is not None
         from_file = self.file is not None and strains.count(None) == 2 and self.stress is None
         if not (is_in_case or from_file):
-            raise wrong("curve_source")
+            raise ValueError(problem("curve_source"))
         if self.file is not None:
             tests = read_stress_strain(self.file)
             if self.temperature is not None and tests[0].temperature is not None:
@@ -481,9 +475,7 @@ def _hardening(
     without_temperature = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
     if not tests or (without_temperature and len(tests) > 1):
         what = f"curve {without_temperature[0]} has no temperature" if tests else "has no curve"
-        raise InputError.at(
-            "stress_strain", f'{what}; several curves need one each, such as temperature = "300 degC"'
-        )
+        raise InputError(problem("curve_temperature", what=what))
     curves = []
     for number, test in enumerate(tests, start=1):
         try:
@@ -574,10 +566,10 @@ class MaterialEntry:
             except InputError as error:
                 raise ValueError(error.message) from None
         if not isinstance(value, dict):
-            raise wrong("no_material")
+            raise ValueError(problem("no_material"))
         curve = value.get("stress_strain")
         if isinstance(curve, str) and curve != "library":
-            raise wrong("curve_word", given=curve)
+            raise ValueError(problem("curve_word", given=curve))
         library = _missing_entries(value)
         table = read_table({**library, **value})
         try:
@@ -599,7 +591,9 @@ class MaterialEntry:
 def _check_hardness(hardness: float | None, yield_stress: float | None, library: dict[str, Any]) -> None:
     if hardness is not None and yield_stress is not None and hardness < yield_stress:
         whose = [" (of the library)" if key in library else "" for key in ("hardness", "yield_stress")]
-        raise wrong("soft", hardness=hardness / 1e6, yield_stress=yield_stress / 1e6, whose=whose)
+        raise ValueError(
+            problem("soft", hardness=hardness / 1e6, yield_stress=yield_stress / 1e6, whose=whose)
+        )
 
 
 def _over_temperature(
@@ -701,7 +695,7 @@ def _missing_entries(value: dict[str, Any]) -> dict[str, Any]:
     if not of_library and not {"youngs_modulus", "poissons_ratio"} & value.keys():
         likely = similar_names(name)
         hint = " (do you mean " + " or ".join(f'"{word}"' for word in likely) + "?)" if likely else ""
-        raise wrong("unknown_material", name=name, hint=hint)
+        raise ValueError(problem("unknown_material", name=name, hint=hint))
     # With a modulus and a Poisson's ratio of its own it is another state of the material, a colder one for example:
     # hardness and yield stress of the library's would not be this one's. That it creeps is in its nature.
     complete = {"youngs_modulus", "poissons_ratio"} <= value.keys()

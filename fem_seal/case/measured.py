@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from fem_seal.case.case import Case
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, TextTableError
-from fem_seal.files import name_and_unit, read_any_text
+from fem_seal.files import name_and_unit, problem, read_any_text
 from fem_seal.units import split_unit
 from leak.text_tables import COMMENTS, cells_of
 

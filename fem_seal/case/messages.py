@@ -16,8 +16,8 @@ from pydantic_core import ErrorDetails
 from fem_seal.case.fields import Table, key_of, show
 from fem_seal.case.material_table import CURVE_FORMS
 from fem_seal.case.notation import choices, tables_of, words_of
-from fem_seal.case.words import gone_entry, sentence
 from fem_seal.errors import Problem
+from fem_seal.files import own_tables, problem
 
 # What a table with several forms looks like, by the key that tells them apart.
 _EXAMPLES = {
@@ -87,7 +87,7 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return Problem(key, _no_table(key, name, table), show(value))
     if kind in ("bool_type", "tuple_type", "list_type", "string_type", "invalid_key"):
-        return Problem(key, sentence(kind, name=name), show(value))
+        return Problem(key, problem(kind, name=name), show(value))
     return Problem(key, details["msg"][:1].lower() + details["msg"][1:], show(value))
 
 
@@ -287,3 +287,15 @@ def toml(value: object) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
     return json.dumps(value, ensure_ascii=False)
+
+
+def gone_entry(entry: str) -> str | None:
+    """What to write instead of a key, or of a value of a key, that earlier versions had; None if none had it.
+
+    Parameters
+    ----------
+    entry : str
+        "load.axial_force", 'interface.law = "persson"'.
+    """
+    remedy: str | None = own_tables("problems.toml")["gone"].get(entry)
+    return remedy

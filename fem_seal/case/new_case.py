@@ -16,7 +16,7 @@ from fem_seal.case.fields import show
 from fem_seal.case.messages import nearest
 from fem_seal.case.notation import partner, without_reference
 from fem_seal.errors import InputError, QuantityError
-from fem_seal.files import TomlError, own_tables, parse_toml
+from fem_seal.files import TomlError, own_tables, parse_toml, problem
 from fem_seal.units import parse_quantity
 
 TEMPLATES = (
@@ -78,9 +78,8 @@ def template(name: str) -> str:
     if name not in TEMPLATES:
         likely = nearest(name, TEMPLATES)
         hint = f"; do you mean {likely}?" if likely else ""
-        raise InputError.at(
-            "--template", f"must be {', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}{hint}", show(name)
-        )
+        names = {"names": ", ".join(TEMPLATES[:-1]), "last": TEMPLATES[-1]}
+        raise InputError(problem("template", **names, hint=hint, value=show(name)))
     return files("fem_seal").joinpath("templates", "cases", f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -321,13 +320,11 @@ def required_class(text: str, class_words: str) -> dict[str, str]:
             if len(by_standard[standard]) == 1:
                 return {"requirement.standard": standard, "requirement.class": by_standard[standard][0]}
             classes = ", ".join(by_standard[standard])
-            raise InputError.at(
-                "--class", f"names a standard and no class; {standard} has {classes}", show(class_words)
-            )
+            words_of = {"standard": standard, "classes": classes}
+            raise InputError(problem("class_of_standard", **words_of, value=show(class_words)))
     listing = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in by_standard.items() if names)
-    raise InputError.at(
-        "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listing}", show(class_words)
-    )
+    words_of = {"fluid": "a gas" if gas else "a liquid", "listing": listing}
+    raise InputError(problem("class_of_fluid", **words_of, value=show(class_words)))
 
 
 def for_fluid(text: str, fixed: AbstractSet[str]) -> dict[str, str | None]:

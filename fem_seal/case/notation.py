@@ -20,8 +20,8 @@ from pydantic.fields import FieldInfo
 
 from fem_seal.case.fields import Quantity, Table, quantities_of, show
 from fem_seal.case.material_table import MaterialTable
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem, QuantityError
+from fem_seal.files import problem
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, NUMBER, exact_quantity, parse_quantity
 from fem_seal.wording import Words

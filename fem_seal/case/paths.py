@@ -12,8 +12,8 @@ from pydantic import BaseModel
 from fem_seal.case.case import Case
 from fem_seal.case.fields import Number, Quantity, Table, show, values_of
 from fem_seal.case.material_table import MaterialTable, as_table, fill_from_library, library_table
+from fem_seal.case.messages import gone_entry
 from fem_seal.case.notation import same_entry, tables_of, words_of
-from fem_seal.case.words import gone_entry
 from fem_seal.errors import InputError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Display, Unit, kind_of

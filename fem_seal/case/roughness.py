@@ -18,9 +18,15 @@ from pydantic import BeforeValidator, Field, ValidationError, field_validator, m
 
 from fem_seal.case.fields import Entry, Number, OneOrRange, Quantity, Table, show
 from fem_seal.case.messages import problems
-from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
-from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file, own_tables, read_text_table
+from fem_seal.files import (
+    MOST_BYTES_OF_SCAN,
+    UnreadableFileError,
+    check_file,
+    own_tables,
+    problem,
+    read_text_table,
+)
 from leak import files
 from leak.numerics.roots import root_between
 
@@ -77,7 +83,7 @@ def read_finish(text: str) -> dict[str, Any]:
     """
     match = _FINISH_TEXT.match(text) if len(text) <= _LONGEST else None
     if match is None or (match["before"] and match["after"]) or not match["unit"]:
-        raise wrong("no_finish")
+        raise ValueError(problem("no_finish"))
     process = (match["before"] or match["after"] or "").strip()
     return {
         "kind": "finish",
@@ -160,7 +166,7 @@ class FinishKeys(Table):
         if low / _UNUSUAL <= Ra <= high * _UNUSUAL:
             return ""
         values = {"Ra": 1e6 * Ra, "low": 1e6 * low, "high": 1e6 * high}
-        return str(sentence("unusual_finish", process=finish.process.name, **values))
+        return str(problem("unusual_finish", process=finish.process.name, **values))
 
 
 class FinishTable(FinishKeys):
@@ -433,27 +439,31 @@ class Roughness(FinishKeys):
         spectra = [key for key in PARTS if getattr(self, key) is not None]
         if self.height is not None:
             if spectra:
-                raise wrong("finish_and_spectrum", height=self.height, others=" and ".join(spectra))
+                raise ValueError(
+                    problem("finish_and_spectrum", height=self.height, others=" and ".join(spectra))
+                )
             self._check_finish()
             return self
         keys = [key for key in FinishKeys.model_fields if getattr(self, key) is not None]
         if keys or self.kind is not None:
-            raise wrong("finish_without_height", what=f"has {keys[0]}" if keys else "is a finish")
+            raise ValueError(
+                problem("finish_without_height", what=f"has {keys[0]}" if keys else "is a finish")
+            )
         if "along" in spectra or "across" in spectra:
             self._two_directions(spectra)
         elif ("spectrum" in spectra) == any(key in spectra for key in ("seat", "closure", "gasket")):
-            raise wrong("spectrum_twice" if spectra else "spectrum_missing")
+            raise ValueError(problem("spectrum_twice" if spectra else "spectrum_missing"))
         return self
 
     def _two_directions(self, spectra: Collection[str]) -> None:
         if not {"along", "across"} <= {*spectra}:
             raise ValueError("needs along and across, both or neither")
         if len(spectra) > 2:
-            raise wrong("directions_and_spectrum")
+            raise ValueError(problem("directions_and_spectrum"))
         if self.peklenik != 1.0:
             raise ValueError("has peklenik, which along and across determine already; remove it")
         if isinstance(self.along, FinishTable) or isinstance(self.across, FinishTable):
-            raise wrong("finish_in_directions")
+            raise ValueError(problem("finish_in_directions"))
 
     @property
     def parts(self) -> dict[str, AnySpectrum]:
@@ -533,7 +543,7 @@ class Roughness(FinishKeys):
         if self.along is not None and self.across is not None:
             stretch = _stretch(self.along.build(), self.across.build())
             if stretch.misfit > _LARGEST_MISFIT:
-                yield str(sentence("no_stretch", best=stretch.peklenik, off=math.exp(stretch.misfit)))
+                yield str(problem("no_stretch", best=stretch.peklenik, off=math.exp(stretch.misfit)))
 
 
 def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:

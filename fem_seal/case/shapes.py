@@ -12,8 +12,8 @@ from pydantic import Field, create_model
 import meshes
 from fem_seal.case.fields import Quantity, Table
 from fem_seal.case.material_table import MaterialField
-from fem_seal.case.words import problem
 from fem_seal.errors import Problem
+from fem_seal.files import problem
 from fem_seal.materials import Material
 from meshes import GeometryError, Shape
 

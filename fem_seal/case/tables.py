@@ -37,8 +37,8 @@ from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
 from fem_seal.case.roughness import LengthUnits, Roughness
 from fem_seal.case.temperature import Temperature
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
+from fem_seal.files import problem
 from fem_seal.loads import Closing, blow_off_of_sealed_area, contact_force, expected_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.units import Display, System, Unit, unit_as_written
@@ -90,13 +90,9 @@ class Load(Table):
     @model_validator(mode="after")
     def _one_force(self) -> Load:
         if self.set_pressure is not None and "applied_force" in self.model_fields_set:
-            raise ValueError(
-                "has set_pressure, which gives the force of the spring, and applied_force; remove one"
-            )
+            raise ValueError(problem("set_pressure_and_force"))
         if self.set_pressure is not None and self.pressure_side != "inner":
-            raise ValueError(
-                'has set_pressure, at which the fluid lifts the closure; add pressure_side = "inner"'
-            )
+            raise ValueError(problem("set_pressure_side"))
         return self
 
     def with_spring(self, sealing_radius: float) -> Load:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from fem_seal.bolts import Bolts, stiffness_of
 from fem_seal.case.bolts import BoltsTable
 from fem_seal.case.tables import CaseTables, Load
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
+from fem_seal.files import problem
 from fem_seal.materials import ROOM_TEMPERATURE
 
 

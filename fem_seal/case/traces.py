@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError, TextTableError
-from fem_seal.files import Names, column, find_columns, read_any_text, read_text_table
+from fem_seal.files import Names, column, find_columns, problem, read_any_text, read_text_table
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
 
@@ -59,7 +58,7 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
         angle = angle * _factor_of(_angle_unit(_name(table, place), angle), "angle")
     is_finite = np.isfinite(angle) & np.isfinite(deviation)
     if is_finite.sum() < _FEWEST_ROWS:
-        raise TextTableError(sentence("trace_points", number=is_finite.sum(), fewest=_FEWEST_ROWS))
+        raise TextTableError(problem("trace_points", number=is_finite.sum(), fewest=_FEWEST_ROWS))
     factor = _factor_of(unit or _unit_in(_name(table, at), "length"), "length")
     angle, deviation = angle[is_finite], deviation[is_finite] * factor
     turn = float(np.ptp(angle))
@@ -81,7 +80,7 @@ def _longest(file: str | Path) -> TextTable:
     except TableError as error:
         raise TextTableError(str(error)) from None
     if len(table.rows) < _FEWEST_ROWS:
-        raise TextTableError(sentence("trace_rows", fewest=_FEWEST_ROWS))
+        raise TextTableError(problem("trace_rows", fewest=_FEWEST_ROWS))
     return table
 
 
@@ -131,11 +130,11 @@ def _in_si(unit: str, dimension: str) -> float:
 def _factor_of(unit: str | None, dimension: str) -> float:
     """From the numbers of a column in a unit to SI; TextTableError where there is none of the dimension."""
     if unit is None:
-        raise TextTableError(sentence(f"trace_without_unit_of_{dimension}"))
+        raise TextTableError(problem(f"trace_without_unit_of_{dimension}"))
     try:
         return _in_si(unit, dimension)
     except QuantityError as error:
-        raise TextTableError(sentence(f"trace_{dimension}", error=error)) from None
+        raise TextTableError(problem(f"trace_{dimension}", error=error)) from None
 
 
 def _angle_unit(name: str, values: FloatArray) -> str | None:
@@ -200,5 +199,5 @@ def read_lay(file: str | Path) -> tuple[float, float]:
     amplitude, share = fit_wave(float(best.x))
     if share < _LEAST_SHARE:
         shares = {"share": 100 * share, "least": 100 * _LEAST_SHARE}
-        raise TextTableError(sentence("no_lay", length=2e6 * np.pi / best.x, **shares))
+        raise TextTableError(problem("no_lay", length=2e6 * np.pi / best.x, **shares))
     return 2 * np.pi / float(best.x), 2 * amplitude

@@ -14,7 +14,6 @@ import typer
 from typer.core import TyperCommand
 
 import fem_seal
-from fem_seal.case.words import problem, sentence
 from fem_seal.cli import terminal
 from fem_seal.cli.calibrate import calibrate
 from fem_seal.cli.library import fluids, materials
@@ -22,6 +21,7 @@ from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text, write
+from fem_seal.files import problem
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
 from fem_seal.units import Display
 from fem_seal.version import __version__
@@ -489,13 +489,13 @@ def _remarks(case: Case) -> list[str]:
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
     if case.form is not None:
-        remarks.append(sentence("check_of_round_seal"))
+        remarks.append(problem("check_of_round_seal"))
         remarks.extend(case.form.without_effect(case.contact.angle))
     problems = problems_of(case)
-    problem = problems[0]
-    remarks.extend(text for _, _, text in problem.origin.face_remarks)
-    remarks.extend(creep_remarks(problem.labelled_materials))
-    remarks.extend((*film_cautions(problem), *material_cautions(problem)))
+    first = problems[0]
+    remarks.extend(text for _, _, text in first.origin.face_remarks)
+    remarks.extend(creep_remarks(first.labelled_materials))
+    remarks.extend((*film_cautions(first), *material_cautions(first)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 

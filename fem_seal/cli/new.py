@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer.core import TyperCommand
 
-from fem_seal.case.words import problem
 from fem_seal.cli.terminal import Debug, complain, option, output_option, prompt, say
 from fem_seal.errors import InputError, NoLoadLeftError
+from fem_seal.files import problem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -24,6 +24,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import ConvergenceError
+from fem_seal.files import problem as problem_of
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -212,10 +213,7 @@ def line_load_around(
         if solution is not None:
             return solution
     why = f": {failures[0]}" if failures else "; make it smaller, or its waves longer"
-    raise ConvergenceError(
-        f"the line load around the axis was not found for a form error of {1e6 * float(np.ptp(gap)):.4g} um from the "
-        f"narrowest to the widest gap{why}"
-    )
+    raise ConvergenceError(problem_of("around", height=1e6 * float(np.ptp(gap)), why=why))
 
 
 Solution = tuple[FloatArray, FloatArray]
@@ -395,9 +393,7 @@ class _Balance:
         with np.errstate(over="ignore"):
             line_load, tangent = local.line_load(approach)
         if not (np.isfinite(line_load).all() and (tangent >= 0).all()):
-            raise ConvergenceError(
-                "it leads to line loads without bounds; make it smaller, or its waves longer"
-            )
+            raise ConvergenceError(problem_of("around_no_bounds"))
         lacks = float(np.abs(ring.missing_resultants(guess, mean)).max())
         return cls(guess, motion, approach, line_load, tangent, lacks)
 

@@ -28,6 +28,7 @@ from fem_seal.bodies.elasticity import (
     shape_gradients,
 )
 from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.files import problem
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
 from leak.numerics.integrals import gauss
@@ -192,9 +193,7 @@ def conduct(
         last_temperature, temperature = temperature, system.solve(temperature)
         if steps == 1 or np.abs(temperature - last_temperature).max() < _SAME:
             return system.field(temperature, last_temperature)
-    raise ConvergenceError(
-        "heat conduction: conductivities that depend on the temperature leave no steady one; give them as numbers"
-    )
+    raise ConvergenceError(problem("heat_conduction"))
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import numpy as np
 from fem_seal.contact.model import BodyLoads, ContactModel
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.files import problem
 
 _MAX_CHANGES = 100
 
@@ -62,7 +63,4 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
                 stop_force=contact_force - carried_force,
             )
         active = next_active
-    raise ConvergenceError(
-        f"hard contact at axial force {contact_force:.6g} N did not settle in {_MAX_CHANGES} changes of the contact "
-        "zone; refine [mesh] contact_size"
-    )
+    raise ConvergenceError(problem("hard_contact", force=contact_force, changes=_MAX_CHANGES))

@@ -24,7 +24,7 @@ from fem_seal.contact.plastic_step import (
 )
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
 from fem_seal.errors import ConvergenceError, LimitLoadError, LongPathError, OpenSealError
-from fem_seal.files import sentence
+from fem_seal.files import problem
 
 
 @dataclass(frozen=True)
@@ -561,7 +561,7 @@ class _Walk:
         if self._gives_way(at, aim, state):
             return self._limit_load(at, state)
         why = error.args[0] if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
-        return ConvergenceError(sentence("step_fails", at=str(at), aim=str(aim), why=why))
+        return ConvergenceError(problem("step_fails", at=str(at), aim=str(aim), why=why))
 
     def _too_many_steps(
         self, at: PathLoad, end: PathLoad, balance: Equilibrium, way: float, tries: int, step: float
@@ -573,7 +573,7 @@ class _Walk:
         label = self.model.bodies[max(strains, key=strains.__getitem__)].fem.label if strains else ""
         numbers = {"force": at.force, "end": end.force, "tries": tries, "way": 100 * way, "step": 100 * step}
         strain = 100 * balance.plastic_strain
-        return LongPathError(sentence("long_path", **numbers, label=label, strain=strain))
+        return LongPathError(problem("long_path", **numbers, label=label, strain=strain))
 
     def _gives_way(self, at: PathLoad, aim: PathLoad, balance: Equilibrium) -> bool:
         """Whether bodies linearised as they flow come so much nearer in a step that they bear nothing more."""
@@ -591,7 +591,7 @@ class _Walk:
     def _limit_load(self, at: PathLoad, balance: Equilibrium) -> LimitLoadError:
         body = max(balance.states, key=lambda name: _yielded_share(balance.states[name]))
         label = self.model.bodies[body].fem.label
-        return LimitLoadError(sentence("limit_load", label=label, force=at.force), label)
+        return LimitLoadError(problem("limit_load", label=label, force=at.force), label)
 
 
 class _OpenedSeal(Exception):

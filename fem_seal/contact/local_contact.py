@@ -19,6 +19,7 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.newton import ContactProblem, solve, solve_many
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.files import problem
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -298,10 +299,7 @@ class LocalContact:
     def _climb(self, lowest: float, highest: float) -> None:
         """Solve the rungs from `lowest` to `highest` ln f over the mean, unless they fade before."""
         if highest > _HIGHEST_LOAD:
-            raise ConvergenceError(
-                f"the line load somewhere around the axis is {math.exp(highest):.3g} times the mean, which the seal "
-                "carries on a small part of its circumference only; make the form error smaller"
-            )
+            raise ConvergenceError(problem("local_load", times=math.exp(highest)))
         count = len(self._rungs)
         top = max(math.ceil(highest / _STEP), 0) + _EXTRA_RUNGS
         bottom = min(math.floor(lowest / _STEP) - (0 if self.opens else _EXTRA_RUNGS), -_FEWEST)

@@ -17,6 +17,7 @@ from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.files import problem as problem_of
 from fem_seal.processes import single_threaded
 
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
@@ -236,11 +237,9 @@ def _solve_flattened_law(
         if solution is not None:
             v, d, steps = solution
             return _solution_of_state(problem, (v, d), len(residuals) - 1 + steps, residuals)
-    return ConvergenceError(
-        f"contact at axial force {problem.contact_force:.6g} N (line load {model.line_load(problem.contact_force):.6g} "
-        f"N/m) did not converge in {problem.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} "
-        "decay lengths, refine [mesh] contact_size or soften the interface law"
-    )
+    numbers = {"force": problem.contact_force, "line_load": model.line_load(problem.contact_force)}
+    numbers |= {"iterations": problem.settings.max_iterations, "residual": residuals[-1]}
+    return ConvergenceError(problem_of("newton", **numbers))
 
 
 def _solution_of_state(

@@ -17,6 +17,7 @@ from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactLine, ContactMode
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
+from fem_seal.files import problem
 from fem_seal.loads import PressureSide, expected_force
 from fem_seal.profile import PressureProfile
 from leak.numerics.roots import root_between
@@ -167,10 +168,8 @@ class FluidAtContact(_BetweenSurfaces):
             If it does so nowhere.
         """
         if profile.pressure.max() <= fluid_pressure:
-            raise OpenSealError(
-                f"the contact pressure, at most {profile.pressure.max() / 1e6:.4g} MPa, is nowhere above the fluid "
-                f"pressure of {fluid_pressure / 1e6:.4g} MPa: the fluid gets through"
-            )
+            pressures = {"peak": float(profile.pressure.max()), "pressure": fluid_pressure}
+            raise OpenSealError(problem("gets_through", **pressures))
         return np.array([_stretch_above(profile, fluid_pressure)[1 if self.side == "outer" else 0]])
 
 
@@ -611,17 +610,14 @@ def contact_near_blow_off(
     """Contact under a fluid pressure, found by the force that it carries."""
     way = _way_to_blow_off(seal, applied_force)
     if fluid_pressure >= way[-1].pressure:
+        loads = {"force": applied_force, "held": way[-1].pressure, "pressure": fluid_pressure}
         raise OpenSealError(
-            f"the fluid lifts the {seal.model.closure.fem.label} off: an applied force of {applied_force:.6g} N "
-            f"holds {way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
-            way[-1].pressure,
+            problem("lifted_off", closure=seal.model.closure.fem.label, **loads), way[-1].pressure
         )
     number = next(n for n, step in enumerate(way) if step.pressure > fluid_pressure)
     if way[number].contact is None:
-        raise ConvergenceError(
-            f"at {fluid_pressure / 1e5:.6g} bar the smooth contact carries less than {way[number - 1].share:g} of the "
-            f"applied force and is narrower than its elements; it opens at {way[-1].pressure / 1e5:.6g} bar"
-        )
+        pressures = {"pressure": fluid_pressure, "opening": way[-1].pressure}
+        raise ConvergenceError(problem("narrow_contact", **pressures, share=way[number - 1].share))
     last_step, steps = way[number - 1], [way[number]]
 
     def miss(log_share: float) -> float:

@@ -34,6 +34,7 @@ from fem_seal.contact.newton import solve
 from fem_seal.contact.penetration import CoupledContact, FluidPath, solve_penetration
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.files import problem
 
 
 @dataclass(frozen=True)
@@ -317,10 +318,8 @@ def press(
             return Equilibrium(full.states, solution, tuple(residuals), linear.line_alone, full.is_flowing)
         at = full if full.imbalance < limit else step.shorten_step(at, full)
         limit = at.imbalance
-    raise ConvergenceError(
-        f"the forces in the bodies are out of balance by {residuals[-1]:.2g} of the largest after "
-        f"{settings.max_iterations} iterations"
-    )
+    numbers = {"residual": residuals[-1], "iterations": settings.max_iterations}
+    raise ConvergenceError(problem("out_of_balance", **numbers))
 
 
 def unloading_model(

@@ -14,6 +14,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.files import problem
 from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, MeshingError, Sizing
 
@@ -273,13 +274,9 @@ def element_sizes(
         return sizing
     smallest_size = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
     if not smallest_size <= contact_size <= std:
-        raise InputError.at(
-            "mesh.contact_size",
-            f"allowed is {smallest_size * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
-            f"{std * 1e6:.3g} um (standard deviation of the narrowest pressure profile); or leave it out: "
-            f"{sizing.contact_size * 1e6:.3g} um",
-            f"{contact_size * 1e6:.6g} um",
-        )
+        sizes = {"smallest": smallest_size, "std": std, "size": sizing.contact_size, "value": contact_size}
+        sizes = {name: 1e6 * size for name, size in sizes.items()}
+        raise InputError(problem("contact_size", **sizes, count=_MOST_ELEMENTS))
     return replace(sizing, contact_size=contact_size)
 
 

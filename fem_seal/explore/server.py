@@ -10,8 +10,8 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from leak.extras import say_missing
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from fem_seal.errors import InputError, OutputError
-from fem_seal.files import write_text
+from fem_seal.files import problem, write_text
 
 if sys.platform == "win32":
     import msvcrt
@@ -72,10 +72,7 @@ def _open_locked(path: Path) -> int:
             if error.errno not in _TAKEN:
                 return handle
             os.close(handle)
-            raise InputError.at(
-                str(path.parent),
-                "is being written by another fem-seal process; wait for it or choose another folder",
-            ) from None
+            raise InputError(problem("folder_in_use", folder=path.parent)) from None
         # the previous owner has removed the file since it was opened here: a lock on it has no effect
         os.close(handle)
 

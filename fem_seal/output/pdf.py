@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from fem_seal.errors import DrawingError, OutputError
-from fem_seal.files import own_tables
+from fem_seal.files import own_tables, problem
 
 _NAMED = "FEM_SEAL_BROWSER"
 # A report takes some two seconds; a browser that starts for the first time a few more [s].
@@ -54,10 +54,7 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None, *, one_page: bo
     """
     browser = browser or find_browser()
     if browser is None:
-        raise DrawingError(
-            f"no Chromium, Chrome or Edge is found to print {page} with; open it in any browser and print it there, or "
-            f"name a browser of this kind in the environment variable {_NAMED}"
-        )
+        raise DrawingError(problem("no_browser", page=page, variable=_NAMED))
     # with its own profile, independent of an open browser
     with TemporaryDirectory(prefix="fem-seal-") as folder:
         draft, profile = Path(folder) / "report.pdf", Path(folder) / "profile"
@@ -70,9 +67,7 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None, *, one_page: bo
             if not draft.is_file() or len(_PAGES.findall(draft.read_bytes())) == 1:
                 break
         if not draft.is_file() or not draft.read_bytes().startswith(b"%PDF"):
-            raise DrawingError(
-                f"{browser} printed nothing{messages}; open {page} in a browser and print it there"
-            )
+            raise DrawingError(problem("nothing_printed", browser=browser, messages=messages, page=page))
         try:
             shutil.copyfile(draft, pdf)
         except OSError as error:

@@ -20,7 +20,7 @@ import numpy as np
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.fields import Table
 from fem_seal.errors import InputError
-from fem_seal.files import write_bytes
+from fem_seal.files import problem, write_bytes
 from fem_seal.seal.sources import Source
 from fem_seal.version import __version__
 
@@ -156,9 +156,8 @@ def read_result(folder: Path) -> SealSolution:
                 raise InputError.at(f"{folder / FILE}", f"is no result of fem-seal; {again}")
             version = head.removeprefix(_HEAD).decode(errors="replace").strip()
             if version != __version__:
-                raise InputError.at(
-                    f"{folder / FILE}", f"was written by fem-seal {version}, this is {__version__}; {again}"
-                )
+                versions = {"version": version, "present": __version__, "again": again}
+                raise InputError(problem("stored_version", file=folder / FILE, **versions))
             result = _Known(file).load()
             if not isinstance(result, SealSolution):
                 raise pickle.UnpicklingError(type(result).__name__)

@@ -14,8 +14,8 @@ from numpy.polynomial import Chebyshev
 
 from fem_seal.contact.around import Stiffening, line_load_around
 from fem_seal.errors import OpenSealError
+from fem_seal.files import problem
 from fem_seal.profile import PressureProfile
-from fem_seal.units import share_text
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -165,10 +165,7 @@ class Circumference:
         """
         if self.local.opens and self.least_over_mean == 0.0:
             share = float(np.mean(self.line_load == 0.0))
-            raise OpenSealError(
-                f"the form error parts the surfaces over {share_text(share)} of the circumference, and with "
-                '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "spectrum"'
-            )
+            raise OpenSealError(problem("parted", share=share))
         rates, most = curve.leak_rates(self.line_load, self.before)
         bounds = tuple(
             curve.flow.bounds(self.profile_at(groove.angle), [groove.groove]) for groove in self.form.grooves

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact
@@ -549,9 +550,7 @@ class DirectTable:
         """
         rows = self.loading
         if not rows:
-            raise InputError.at(
-                "direct.pressure", "the patch is tight at all of them; give smaller ones, or larger patches"
-            )
+            raise InputError(problem("tight_patch"))
         return rows[0].pressure, rows[-1].pressure
 
     def log_error(self, row: DirectRow) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from fem_seal.errors import LoadProblem, Text, write
+from fem_seal.errors import Problem, Text, write
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import LoadResult, load_words
 from fem_seal.seal.problem import Loads
@@ -462,17 +462,17 @@ def near_limit(pressure: float, limit: float, digits: int) -> Words:
     return Words("{{ display.near_limit('MPa', pressure, limit, digits) }}", values)
 
 
-def why_missing(problem: LoadProblem) -> str:
+def why_missing(problem: Problem) -> str:
     """Why a load could not be calculated, in a clause.
 
     Parameters
     ----------
-    problem : LoadProblem
+    problem : Problem
     """
     return str(sentence("why_not_calculated", problem.kind, problem=problem))
 
 
-def not_calculated(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Finding]:
+def not_calculated(loads: Loads, problems: Mapping[int, Problem]) -> Iterator[Finding]:
     """Which loads have no result: one sentence for each reason and force, or for all forces under one pressure.
 
     Parameters
@@ -488,7 +488,7 @@ def not_calculated(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterato
         )
 
 
-def _findings_of_kind(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Finding]:
+def _findings_of_kind(loads: Loads, problems: Mapping[int, Problem], kind: str) -> Iterator[Finding]:
     """Findings about loads with one kind of problem, each with the reason of the load that is nearest to a result."""
     points = {number: loads.points[number] for number in problems}
     # the one with the lowest pressure; of an open seal that with the largest force; without a solution the first
@@ -506,7 +506,7 @@ def _findings_of_kind(loads: Loads, problems: Mapping[int, LoadProblem], kind: s
 
 
 def _finding_of_loads(
-    loads: Loads, number: int, problem: LoadProblem, how: Literal["with", "at"], values: Collection[float]
+    loads: Loads, number: int, problem: Problem, how: Literal["with", "at"], values: Collection[float]
 ) -> Finding:
     """A finding about the loads with these forces, or at these pressures and with one force."""
     pressure, force = loads.points[number]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.solution import ContactSolution
-    from fem_seal.errors import LoadProblem
+    from fem_seal.errors import Problem
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.problem import SealProblem
     from leak import LeakResult, RoughContact
@@ -355,7 +355,7 @@ class MissingLoad:
         [Pa]
     applied_force : float
         Of spring or actuator, with bolts their preload [N].
-    problem : LoadProblem
+    problem : Problem
         Why.
     bolted : bool
         Whether the force is a preload.
@@ -364,7 +364,7 @@ class MissingLoad:
     number: int
     fluid_pressure: float
     applied_force: float
-    problem: LoadProblem
+    problem: Problem
     bolted: bool = False
 
     @property

@@ -42,12 +42,12 @@ from fem_seal.errors import (
     ConvergenceError,
     InputError,
     LimitLoadError,
-    LoadProblem,
     OpenSealError,
+    Problem,
     SealError,
     error_text,
 )
-from fem_seal.files import sentence
+from fem_seal.files import problem
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
@@ -182,7 +182,7 @@ class LoadSolver:
         try:
             return self._solve_without_memory(*point, None, first=True)
         except ConvergenceError as error:
-            raise ConvergenceError(sentence("earlier_load", why=error.args[0])) from error
+            raise ConvergenceError(problem("earlier_load", why=error.args[0])) from error
 
     def open_on_path(self, point: tuple[float, float], open_load: OpenLoad) -> InputError:
         """What is said of a load that opens the seal on the path of bodies that yield."""
@@ -193,7 +193,7 @@ class LoadSolver:
     ) -> InputError:
         """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
-        says = sentence("opened", pressure=fluid_pressure, why=error.args[0], least=least)
+        says = problem("opened", pressure=fluid_pressure, why=error.args[0], least=least)
         force = Quantity(applied_force, ".6g N")
         return InputError.at("load.applied_force", says, force, file=self.problem.file)
 
@@ -471,7 +471,7 @@ class SolvedLoads:
         return [*self.contacts, *extremes, *largest_before(self.contacts)]
 
     @property
-    def problems(self) -> dict[int, LoadProblem]:
+    def problems(self) -> dict[int, Problem]:
         """Number of each load without a contact, with the reason."""
         return {number: _load_problem(error) for number, error in self.failures.items()}
 
@@ -556,20 +556,19 @@ def _failures_after(
     """Why loads from the one at which a path ended have no contact."""
     first, *others = numbers
     pressure, force = points[first]
-    load_name = sentence("load_with_force", pressure=pressure, force=force)
-    problem = LoadProblem("load", sentence("after_a_load", load=load_name), kind="path")
-    return {first: error} | {number: InputError(problem) for number in others}
+    load_name = problem("load_with_force", pressure=pressure, force=force)
+    refusal = problem("after_a_load", load=load_name)
+    return {first: error} | {number: InputError(refusal) for number in others}
 
 
-def _load_problem(error: Exception) -> LoadProblem:
+def _load_problem(error: Exception) -> Problem:
     if isinstance(error, InputError):
-        first = error.problems[0]
-        return first if isinstance(first, LoadProblem) else LoadProblem(**vars(first))
+        return replace(error.problems[0], kind=error.problems[0].kind or "open")
     if isinstance(error, LimitLoadError):
-        return LoadProblem("load", error.args[0], kind="limit", body=error.body)
+        return Problem("load", error.args[0], kind="limit", body=error.body)
     # not the error: it holds what was reached, and a problem is stored
     why = error.args[0] if isinstance(error, SealError) else error_text(error)
-    return LoadProblem("load", why, kind="solution")
+    return Problem("load", why, kind="solution")
 
 
 def solve_load(

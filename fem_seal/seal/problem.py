@@ -21,8 +21,8 @@ from fem_seal.case.tables import curves
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, round_sizing
-from fem_seal.errors import InputError, LoadProblem
-from fem_seal.files import sentence
+from fem_seal.errors import InputError, Problem
+from fem_seal.files import problem as problem_of
 from fem_seal.loads import (
     LARGEST_TURNING,
     Closing,
@@ -35,7 +35,7 @@ from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.heating import Heating, heating_of, with_contact_temperatures
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
-from fem_seal.wording import Quantity, Words
+from fem_seal.wording import Quantity
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ class Loads:
     pressure_side: PressureSide = "outer"
     closing: Literal["sealed-area", "penetration"] = "sealed-area"
     target_leak_rate: float | None = None
-    refusals: Mapping[int, LoadProblem] = field(default_factory=dict)
+    refusals: Mapping[int, Problem] = field(default_factory=dict)
     earlier: tuple[float, float] | None = None
     bolts: Bolts | None = None
     preloads: tuple[float, ...] = ()
@@ -346,7 +346,7 @@ class SurfaceOrigin:
     """
 
     remarks: tuple[str, ...] = ()
-    face_remarks: tuple[tuple[str, str, Words], ...] = ()
+    face_remarks: tuple[tuple[str, str, Problem], ...] = ()
     of_finish: bool = False
     usual_only: bool = False
     cutoff: float | None = None
@@ -781,7 +781,7 @@ def with_stop(problem: SealProblem, model: ContactModel) -> ContactModel:
     stop = problem.stop_approach(model, problem.gasket.stop)
     if stop <= touch:
         given = Quantity(problem.faces * problem.gasket.stop, ".6g um")
-        says = sentence("warm_flanges_meet", growth=problem.faces * (touch - stop + problem.gasket.stop))
+        says = problem_of("warm_flanges_meet", growth=problem.faces * (touch - stop + problem.gasket.stop))
         raise InputError.at("gasket.stop", says, given, file=problem.file)
     return model.with_stop(stop, touch)
 

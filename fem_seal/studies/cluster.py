@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import problem
 from fem_seal.errors import ClusterError, InputError
+from fem_seal.files import problem
 from fem_seal.studies.store import Row
 from fem_seal.studies.work import DesignSpec, calculate_watched
 from fem_seal.studies.worker_pool import HEARTBEAT, RESUME_HINT, Task, WorkerPool, Workers

@@ -15,8 +15,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError
+from fem_seal.files import problem
 from fem_seal.units import DIMENSIONS, parse_quantity
 
 
@@ -116,10 +116,7 @@ class _Formula:
         try:
             return ast.parse(self.text.strip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
-            raise ExpressionError(
-                "is no formula; write for example leak_rate_m3_per_s * 6e7, a quantity with its unit in quotes "
-                'inside of it, "2 ml/min", and 0.95 for 95 %'
-            ) from None
+            raise ExpressionError(problem("study_formula")) from None
 
     @cached_property
     def sides(self) -> tuple[Part, ...]:
@@ -229,7 +226,7 @@ def _part(node: ast.expr, depth: int = 0) -> Part:
         what, operands = FUNCTIONS[node.func.id], node.args
     else:
         what = type(node).__name__.lower()
-        raise ExpressionError(sentence("study_not_in_formulas", what=what, functions=", ".join(FUNCTIONS)))
+        raise ExpressionError(problem("study_not_in_formulas", what=what, functions=", ".join(FUNCTIONS)))
     part = Part(what, tuple(_part(operand, depth + 1) for operand in operands), unit)
     if not part.names and math.isnan(part.number({})):
         raise ExpressionError(f"holds {ast.unparse(node):.60}, which is no finite number")

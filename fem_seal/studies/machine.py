@@ -13,8 +13,8 @@ from threading import Thread
 from typing import Any
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import sentence
 from fem_seal.errors import ClusterError
+from fem_seal.files import problem
 from fem_seal.processes import Processes, usable_memory
 from fem_seal.studies.store import Row
 from fem_seal.studies.work import DesignSpec, calculate_watched
@@ -84,7 +84,7 @@ class LocalWorkers(Workers):
             return future.result()
         except BrokenProcessPool as error:
             if not self._has_started:
-                raise ClusterError(sentence("study_no_workers", error=error)) from None
+                raise ClusterError(problem("study_no_workers", error=error)) from None
             return None
 
     def close(self) -> None:

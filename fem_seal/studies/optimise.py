@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.sampling import LogUniform, Uniform
 from fem_seal.seal.findings import Level
 from fem_seal.studies.progress import Progress

@@ -14,8 +14,8 @@ from fem_seal.case.case import Case
 from fem_seal.case.fields import show
 from fem_seal.case.notation import same_entry
 from fem_seal.case.paths import Value
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, in_full
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.scenarios import BESIDE, leak_rate_column
@@ -239,11 +239,8 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
         raise InputError.at(key, f"compares {kinds}", show(constraint.text))
     for share, bound in (constraint.sides, constraint.sides[::-1]):
         if share.what in _SHARES and not bound.names and bound.number({}) > 1.0:
-            raise InputError.at(
-                key,
-                f"compares {share.what}, a share of at most 1, with {bound.number({}):g}; write 0.95 for 95 %",
-                show(constraint.text),
-            )
+            number, value = f"{bound.number({}):g}", show(constraint.text)
+            raise InputError(problem("study_share", key=key, what=share.what, number=number, value=value))
 
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.processes import usable_cores
 from fem_seal.studies.store import Row
 from fem_seal.studies.tables import design_text

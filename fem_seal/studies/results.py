@@ -11,9 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, OutputError
-from fem_seal.files import write_bytes
+from fem_seal.files import problem, write_bytes
 from fem_seal.output.columns import COLUMNS, column_named
 from fem_seal.studies.designs_table import Designs
 from fem_seal.studies.store import FILE, open_to_read

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.files import parse_json, read_text, write_text
+from fem_seal.files import parse_json, problem, read_text, write_text
 from fem_seal.output.folders import folder_lock
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import Pool, open_pool

@@ -22,9 +22,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from fem_seal.answers.judgement import Verdict
-from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, OutputError
-from fem_seal.files import UnreadableFileError, check_file, parse_json
+from fem_seal.files import UnreadableFileError, check_file, parse_json, problem
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs import SENSITIVITY
@@ -150,7 +149,7 @@ class Store:
         except OSError:
             is_there = False
         if not is_there:
-            raise OutputError(sentence("study_file_moved", path=self.path))
+            raise OutputError(problem("study_file_moved", path=self.path))
 
     def _describe(self, entries: Mapping[str, Any]) -> None:
         self._connection.executemany(

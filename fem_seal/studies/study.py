@@ -16,9 +16,8 @@ from fem_seal.case.case import Case, case_of, load_case, with_files
 from fem_seal.case.messages import problems
 from fem_seal.case.notation import as_difference, said_twice
 from fem_seal.case.paths import entry_at, with_open_materials
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.files import read_toml
+from fem_seal.files import problem, read_toml
 from fem_seal.output.columns import in_full
 from fem_seal.studies import designs, plan
 from fem_seal.studies.progress import Progress

@@ -14,8 +14,8 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.fields import Quantity, Table, WholeNumber, show
 from fem_seal.case.paths import Entry, Value
 from fem_seal.case.schema import as_schema
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError
+from fem_seal.files import problem
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.units import parse_quantity

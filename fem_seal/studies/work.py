@@ -17,8 +17,8 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import names_files, with_files
-from fem_seal.case.words import problem
 from fem_seal.errors import InputError, write
+from fem_seal.files import problem
 from fem_seal.seal.evaluate import Batch, Turn, without_time_limit
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import DrawingError, InputError
-from fem_seal.files import own_tables, write_bytes
+from fem_seal.files import own_tables, problem, write_bytes
 from fem_seal.output.pictures.contact import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
@@ -242,10 +242,7 @@ def _draw_in_subprocess(time_limit: float, function: Any, /, *arguments: object)
     try:
         return run_in_subprocess(time_limit, function, *arguments)
     except OwnProcessError as error:
-        raise DrawingError(
-            f"VTK cannot draw on this machine ({error}); without a graphics card it needs the software drivers, on "
-            "Debian and Ubuntu `apt-get install libegl1 libgl1-mesa-dri`"
-        ) from None
+        raise DrawingError(problem("vtk", error=error)) from None
 
 
 # --- what follows happens in a process of its own ----------------------------------------------------------

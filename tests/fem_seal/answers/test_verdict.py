@@ -17,7 +17,7 @@ from fem_seal.answers.judgement import Limit, LoadVerdict, Verdict, VerdictReaso
 from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
 from fem_seal.answers.verdict import _shares, seal_verdict
 from fem_seal.cli.terminal import show_leak_table, show_result
-from fem_seal.errors import ConvergenceError, InputError, LoadProblem
+from fem_seal.errors import ConvergenceError, InputError, Problem
 from fem_seal.output.answers.leak import leakage_lines
 from fem_seal.output.answers.verdict import (
     _state,
@@ -298,8 +298,8 @@ def test_the_worst_load_decides_and_a_load_that_opens_fails():
     result = required(leak_rate="1e-3 m^3/s")
     worst = max(result.leak_ranges, key=lambda ends: ends[1])
     assert result.margin == pytest.approx(1e-3 / worst[1], rel=1e-12)
-    opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
-    unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
+    opened = {(64e5, 0.0): Problem("load.applied_force", "the seal is open", kind="open")}
+    unsolved = {(64e5, 0.0): Problem("load", "no convergence", kind="solution")}
     assert required(missing=opened, leak_rate="1e-3 m^3/s").verdict == "fail"
     left = required(missing=unsolved, leak_rate="1e-3 m^3/s")
     assert left.verdict == "inconclusive" and left.judgement.left_out == 1 and math.isnan(left.margin)
@@ -328,7 +328,7 @@ def test_of_loads_that_fail_the_surest_decides():
 
 
 def test_only_the_loads_that_are_asked_for_decide():
-    opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
+    opened = {(64e5, 0.0): Problem("load.applied_force", "the seal is open", kind="open")}
     result = required(missing=opened, leak_rate="1e-3 m^3/s", fluid_pressure=["2 bar", "5 bar"])
     assert result.verdict == "pass" and result.judgement.load_numbers == (0, 1)
     assert result.loads[2].verdict is None and result.loads[2].margin is None
@@ -441,8 +441,8 @@ def test_report_terminal_and_summary_say_the_same_verdict(capsys):
 
 def test_each_way_to_a_verdict_has_its_sentence():
     solved = rough_result()
-    opened = {(64e5, 10.0): LoadProblem("load.applied_force", "the seal is open")}
-    unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
+    opened = {(64e5, 10.0): Problem("load.applied_force", "the seal is open", kind="open")}
+    unsolved = {(64e5, 0.0): Problem("load", "no convergence", kind="solution")}
     outside = replace(solved, loads=tuple(load.with_values(validity=OUTSIDE) for load in solved.loads))
     few = Validity.of([remark("few channels", Level.DOUBTFUL, "few channels", Bounds.factor_bounds(3.3))])
     doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))

@@ -12,14 +12,14 @@ from sample_results import case, cone, rough_result, run_loads, single_result
 import fem_seal
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import HardContact
-from fem_seal.errors import LoadProblem
+from fem_seal.errors import Problem
 from fem_seal.seal.leak_model import FlowModel, log_peaks
 from fem_seal.seal.problem import Loads, SealProblem, expected_forces, larger_housing
 
 
 def test_what_is_left_of_the_loads_keeps_its_reasons():
     points = ((1e5, 0.0), (2e5, 10.0), (3e5, 20.0), (4e5, 30.0))
-    reasons = {1: LoadProblem("load", "a"), 3: LoadProblem("load", "b")}
+    reasons = {1: Problem("load", "a", kind="open"), 3: Problem("load", "b")}
     left = Loads(points, refusals=reasons).without_loads({0, 1})
     assert left.points == points[2:] and left.fluid_pressure == (3e5, 4e5)
     assert left.refusals == {1: reasons[3]}

@@ -384,7 +384,7 @@ def test_every_message_is_asked_for_and_every_one_asked_for_is_there():
     files = (Path(fem_seal.__file__).parent / "studies").rglob("*.py")
     code = "\n".join(path.read_text("utf-8") for path in files)
     problems = {name for name in own_tables("problems.toml") if name.startswith("study_")}
-    assert set(re.findall(r'(?:problem|sentence)\(\s*"([^"]+)"', code)) == problems
+    assert set(re.findall(r'problem\(\s*"([^"]+)"', code)) == problems
     notes = re.findall(r'say\([\w.\s]+,\s*"studies",\s*"notes_([^"]+)"', code)
     words = environment(Display()).get_template("answers/studies.j2").module
     assert {f"notes_{note}" for note in notes} == {name for name in vars(words) if name.startswith("notes_")}
