@@ -22,7 +22,7 @@ from fem_seal.output.pictures.style import Picture, captioned, label, panels, st
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.units import Display, number, percent
 from fem_seal.version import __version__
-from fem_seal.wording import say, template
+from fem_seal.wording import say, say_all, template
 
 POSTERIOR, CASE = "posterior.csv", "calibrated.toml"
 PREDICTION_COLUMNS = (
@@ -135,99 +135,56 @@ def lines(calibration: Calibration) -> Iterator[str]:
     ----------
     calibration : Calibration
     """
-    display = calibration.case.display
+    display, case = calibration.case.display, calibration.case
     if calibration.conflict is not None:
         yield _conflict(calibration, calibration.conflict)
         return
-    last = calibration.predictions[-1]
-    yield say(
-        display,
-        "calibration",
-        "sentences_prediction",
-        load=display.quantity(last.fluid_pressure, "given fluid pressure"),
-        middle=_median(calibration, last),
-        now=_range(calibration, last.posterior),
-        before=_range(calibration, last.prior),
-    )
+    last, volume = calibration.predictions[-1], volume_of(case)
+    yield say(display, "calibration", "sentences_prediction", last=last, volume=volume)
     if calibration.solution is not None:
         yield from verdict_sentences(calibration.solution)
-    if last.prior[0] > 0.0 and last.posterior[0] > 0.0:
-        before, after = (three[2] / three[0] for three in (last.prior, last.posterior))
-        which, ratio = "narrower" if after < before else "wider", last.posterior[1] / last.prior[1]
-        yield say(display, "calibration", f"sentences_{which}", ratio=ratio, before=before, after=after)
-    learned, silent = (
-        [entry for entry in calibration.inputs if (entry.narrowing >= _CLEAR) is it] for it in (True, False)
-    )
-    if learned:
-        spoken = (
-            say(
-                display,
-                "calibration",
-                f"sentences_{'factor' if unit == 'factor' else 'input'}",
-                name=input_name(learned_input.name),
-                low=texts[3],
-                high=texts[5],
-                unit=f" {unit}".replace(" -", ""),
-                learned=learned_input.narrowing,
-            )
-            for learned_input in learned
-            for unit, texts in [_texts(display, learned_input)]
-        )
-        yield say(display, "calibration", "sentences_learned", inputs=", ".join(spoken))
-    if silent:
-        yield say(
-            display,
-            "calibration",
-            "sentences_silent",
-            inputs=", ".join(input_name(learned_input.name) for learned_input in silent),
-        )
+    inputs = [
+        (input_name(entry.name), entry.narrowing, *_texts(display, entry)) for entry in calibration.inputs
+    ]
     given, *others = calibration.alternatives.items()
-    for other in others:
-        given_state = ("as given", given[1]) if other[0] == "first loading" else given
-        (best, share), (second, less) = sorted(
-            (given_state, other), key=lambda name_and_odds: -name_and_odds[1]
+    pairs = [
+        sorted(
+            (("as given", given[1]) if other[0] == "first loading" else given, other),
+            key=lambda pair: -pair[1],
         )
-        ratio = share / less if less > 0.0 else math.inf
-        which = "prefers_clearly" if ratio > 100.0 else "prefers" if ratio > _PREFERRED else "no_preference"
-        names = {"best": _alternative(display, best), "second": _alternative(display, second)}
-        yield say(display, "calibration", f"sentences_{which}", ratio=ratio, **names)
-    if calibration.next_tests:
-        first = calibration.next_tests[0]
-        narrowing = max(first.narrowing, 0.0)
-        yield say(
-            display, "calibration", "sentences_next", test=test_in_words(display, first), narrowing=narrowing
-        )
+        for other in others
+    ]
+    yield from say_all(
+        display,
+        "calibration",
+        "sentences_learned",
+        last=last,
+        learned=[entry for entry in inputs if entry[1] >= _CLEAR],
+        silent=[entry[0] for entry in inputs if not entry[1] >= _CLEAR],
+        pairs=pairs,
+        preferred=_PREFERRED,
+    )
+    for test in calibration.next_tests[:1]:
+        words = test_in_words(display, test)
+        yield say(display, "calibration", "sentences_next", test=words, narrowing=max(test.narrowing, 0.0))
     if not calibration.is_usable:
         yield say(display, "calibration", "sentences_thin", draws=calibration.effective_draws)
 
 
 def _conflict(calibration: Calibration, conflict: Conflict) -> str:
     """That the readings contradict the inputs, and the likeliest explanation with its odds."""
-    display = calibration.case.display
-    way, best = "more" if conflict.factor > 1 else "less", conflict.likeliest
-    lines = [str(reading.line) for reading in calibration.readings]
-    names = [say(display, "calibration", f"explanations_{cause.name}") for cause in conflict.explanations]
     first, *others = conflict.probabilities.values()
-    likeliest = ""
-    if others:
-        odds = number(first / others[0], 2) if first < _MOST_ODDS * others[0] else f"more than {_MOST_ODDS}"
-        values = {"count": len(names), "first": names[0], "second": names[1], "odds": odds}
-        likeliest = say(display, "calibration", "sentences_likeliest", **values)
-    direction = f"_{'more' if best.size > 1.0 else 'less'}" if best.name in ("factor", "slope") else ""
-    culprit = say(
-        display,
+    return say(
+        calibration.case.display,
         "calibration",
-        f"culprit_{best.name}{direction}",
-        size=best.size,
-        rate=display.leak_range(best.size, 2, volume=volume_of(calibration.case))
-        if best.name == "path"
-        else "",
-        lines=", ".join(lines[n] for n in best.readings),
-        line=lines[conflict.farthest],
+        "sentences_conflict",
+        conflict=conflict,
+        p=calibration.p_value,
+        lines=[reading.line for reading in calibration.readings],
+        odds=min(first / others[0] if others[0] else math.inf, _MOST_ODDS) if others else None,
+        most_odds=_MOST_ODDS,
+        volume=volume_of(calibration.case),
     )
-    factor = number(max(conflict.factor, 1.0 / conflict.factor), 2)
-    values = {"p": calibration.p_value, "line": lines[conflict.farthest], "factor": factor, "way": way}
-    return say(display, "calibration", "sentences_conflict", likeliest=likeliest, culprit=culprit, **values)
 
 
 def _range(calibration: Calibration, rates: Percentiles) -> str:
@@ -248,13 +205,8 @@ def files_line(calibration: Calibration, folder: Path) -> str:
     calibration : Calibration
     folder : Path
     """
-    display = calibration.case.display
-    what = "files" if calibration.is_usable else "no_case"
-    return say(display, "calibration", f"sentences_{what}", folder=folder, case=folder / CASE)
-
-
-def _alternative(display: Display, name: str) -> str:
-    return say(display, "calibration", f"alternatives_{name.replace(' ', '_')}")
+    values = {"folder": folder, "case": folder / CASE if calibration.is_usable else None}
+    return say(calibration.case.display, "calibration", "sentences_files", **values)
 
 
 def test_in_words(display: Display, test: NextTest) -> str:
@@ -265,15 +217,7 @@ def test_in_words(display: Display, test: NextTest) -> str:
     display : Display
     test : NextTest
     """
-    return say(
-        display,
-        "calibration",
-        f"tests_{test.name}",
-        fluid=test.fluid,
-        pressure=display.quantity(test.fluid_pressure, "given fluid pressure"),
-        force=display.quantity(test.applied_force, "given force"),
-        earlier=display.quantity(test.largest_earlier_force, "given force"),
-    )
+    return say(display, "calibration", f"tests_{test.name}", test=test)
 
 
 def prediction_rows(calibration: Calibration) -> list[list[str]]:
@@ -308,27 +252,7 @@ def report(calibration: Calibration) -> str:
     display = calibration.case.display
     with style():
         picture = calibration_picture(calibration)
-    readings = [
-        [
-            str(reading.line),
-            reading.case.fluid.name if reading.case.fluid is not None else "",
-            display.quantity(reading.fluid_pressure, "given fluid pressure"),
-            display.quantity(reading.applied_force, "given force"),
-            ("< " if reading.is_below else "") + display.quantity(reading.leak_rate, "flow 3"),
-            percent(reading.uncertainty),
-            _range(calibration, expected),
-        ]
-        for reading, expected in zip(calibration.readings, calibration.prior_rates, strict=True)
-    ]
-    tests = [
-        [
-            test_in_words(display, test),
-            *(number(x, 3) for x in (test.width, test.expected_width)),
-            percent(max(test.narrowing, 0.0)),
-        ]
-        for test in calibration.next_tests
-        if calibration.conflict is None
-    ]
+    tests = () if calibration.conflict is not None else calibration.next_tests
     return template(display, "calibration.html.j2").render(
         title=calibration.case.title or "fem-seal",
         version=__version__,
@@ -336,11 +260,11 @@ def report(calibration: Calibration) -> str:
         picture=picture,
         predictions=prediction_rows(calibration),
         prediction_headings=PREDICTION_HEADINGS,
-        readings=readings,
+        readings=zip(calibration.readings, calibration.prior_rates, strict=True),
+        volume=volume_of(calibration.case),
         inputs=[_input_row(display, learned_input) for learned_input in calibration.inputs],
-        tests=tests,
-        farther=percent(calibration.p_value),
-        conflict=calibration.conflict is not None,
+        tests=[(test_in_words(display, test), test) for test in tests],
+        calibration=calibration,
     )
 
 

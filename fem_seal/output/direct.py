@@ -15,9 +15,9 @@ import numpy as np
 from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.answer_output import prose
 from fem_seal.output.tables import write_rows
-from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
+from fem_seal.seal.direct import QUANTILES, DirectRow, DirectTable
 from fem_seal.units import attributes, number
-from fem_seal.wording import say
+from fem_seal.wording import say_all
 from leak import Reading
 from leak.theory.plasticity import READINGS
 
@@ -47,7 +47,7 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
     def conductivity(gap: float) -> float:
         return nan if viscosity is None else gap**3 / (12.0 * viscosity)
 
-    readings = READINGS["paper"]
+    gaps = {name: nan if theory is None else theory.gap[name] for name in READINGS["paper"]}
     return {
         **attributes(row, "branch", "pressure_Pa", "largest_pressure_Pa", "samples", "contact_area"),
         **attributes(row, "contact_area_scatter", "yielded_area", "mean_gap_m", "mean_gap_scatter_m"),
@@ -61,21 +61,13 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
         "conductivity_ratio_half_cutoff": row.cutoff_ratio,
         "theory_contact_area": nan if theory is None else theory.contact_area,
         "theory_mean_gap_m": nan if theory is None else theory.mean_gap,
+        **{f"theory_conductivity_{name}_m3_per_Pa_s": conductivity(gap) for name, gap in gaps.items()},
+        **{f"theory_effective_gap_{name}_m": gap for name, gap in gaps.items()},
         **{
-            f"theory_conductivity_{reading}_m3_per_Pa_s": nan
+            f"theory_conductivity_ratio_all_waves_{name}": nan
             if theory is None
-            else conductivity(theory.gap[reading])
-            for reading in readings
-        },
-        **{
-            f"theory_effective_gap_{reading}_m": nan if theory is None else theory.gap[reading]
-            for reading in readings
-        },
-        **{
-            f"theory_conductivity_ratio_all_waves_{reading}": nan
-            if theory is None
-            else theory.cutoff_factor(reading)
-            for reading in readings
+            else theory.cutoff_factor(name)
+            for name in gaps
         },
     }
 
@@ -136,30 +128,17 @@ def direct_lines(display: Display, table: DirectTable) -> list[str]:
     display : Display
     table : DirectTable
     """
-    simulation = table.simulation
-    patches = "1 patch" if simulation.settings.samples == 1 else f"{simulation.settings.samples} patches"
-    if simulation.heights is not None:
-        return [say(display, "direct", "patch_map", simulation=simulation), _asperities(display, simulation)]
-    lines = [
-        say(display, "direct", "patch_random", simulation=simulation, patches=patches),
-        _asperities(display, simulation),
-    ]
+    simulation, (default, *further) = table.simulation, READINGS["paper"]
+    several = len(simulation.surface.readings) > 1
     theory = [row.theory for row in table.loading if row.theory is not None]
-    default, *further = READINGS["paper"]
-    readings = [default] if len(simulation.surface.readings) == 1 else [*further, default]
-    for reading in readings:
-        cuts = [cut for row in theory if math.isfinite(cut := row.cutoff_factor(reading))]
-        if cuts:
-            key = reading if len(readings) > 1 else Reading.ELASTIC
-            lines.append(say(display, "direct", f"cost_{key}", low=min(cuts), high=max(cuts)))
-    ratios = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
-    if ratios:
-        lines.append(say(display, "direct", "cost_half", low=min(ratios), high=max(ratios)))
-    return lines
-
-
-def _asperities(display: Display, simulation: DirectSimulation) -> str:
-    return say(display, "direct", f"asperities_{simulation.asperities}", simulation=simulation)
+    ratios = {
+        str(reading if several else Reading.ELASTIC): [row.cutoff_factor(reading) for row in theory]
+        for reading in ([*further, default] if several else [default])
+    }
+    ratios["half"] = [row.cutoff_ratio for row in table.loading]
+    known_ratios = {name: [*filter(math.isfinite, some)] for name, some in ratios.items()}
+    costs = {name: (min(some), max(some)) for name, some in known_ratios.items() if some}
+    return say_all(display, "direct", "simulated", simulation=simulation, costs=costs)
 
 
 def write_direct(display: Display, table: DirectTable, folder: Path, viscosity: float | None) -> None:
@@ -261,12 +240,7 @@ def seal_lines(display: Display, rows: Sequence[SealRow]) -> list[str]:
     display : Display
     rows : sequence of SealRow
     """
-    strip = rows[0].place.strip
-    widths = [row.place.strip.width for row in rows]
-    shortest = max(2.0 * math.pi / row.place.strip.q_high for row in rows)
-    grid = {"points": strip.points, "shortest": shortest}
-    strips = say(display, "direct", "seal_strips", least=min(widths), most=max(widths), **grid)
-    return [strips, say(display, "direct", "seal_chain")]
+    return say_all(display, "direct", "seal", strips=[row.place.strip for row in rows])
 
 
 def write_direct_seal(display: Display, rows: Sequence[SealRow], folder: Path) -> None:

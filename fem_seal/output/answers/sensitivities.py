@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.sensitivities import Sensitivity
@@ -15,7 +16,7 @@ from fem_seal.case.notation import partner
 from fem_seal.output.answer_output import AnswerOutput, AnswerPage, decisive, worded_section, worded_table
 from fem_seal.output.columns import ReadableTable
 from fem_seal.seal.load_result import load_name
-from fem_seal.units import format_digits, range_text, trim_zeros
+from fem_seal.units import format_digits, range_text
 from fem_seal.wording import say, say_all
 
 if TYPE_CHECKING:
@@ -24,10 +25,6 @@ if TYPE_CHECKING:
 
 # So many are told, and none that changes the leak by less.
 _TOLD, _SMALLEST = 3, 0.03
-# Scaled by a factor, and told without their value.
-_SCALED = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
-# Beyond it a leak is told as a multiple and not in per cent more.
-_MULTIPLE = 2.0
 
 
 def shown_sensitivities(sensitivities: Sequence[Sensitivity]) -> list[Sensitivity]:
@@ -75,38 +72,20 @@ def step_in_words(case: Case, sensitivity: Sensitivity) -> str:
     case : Case
     sensitivity : Sensitivity
     """
-    display = case.display
-    if sensitivity.key == "force":
-        assert sensitivity.before is not None and sensitivity.after is not None  # of a force
-        if sensitivity.before > 0:
-            return say(display, "sensitivities", "step_force", more=sensitivity.factor - 1.0)
-        return say(display, "sensitivities", "step_force_added", added=sensitivity.after - sensitivity.before)
-    if sensitivity.material:
-        body, material = _body_of(case, sensitivity.key)
-        material = "its own" if material == UNNAMED else material
-        return say(
-            display,
-            "sensitivities",
-            "step_material",
-            body=body,
-            material=sensitivity.material,
-            present=material,
-        )
-    if sensitivity.key == "form":
-        parts = () if case.form is None else case.form.parts.values()
-        has_tolerance = parts and all(part.tolerance is not None for part in parts)
-        return say(display, "sensitivities", f"step_{'tolerance' if has_tolerance else 'form'}")
-    if sensitivity.key.startswith("roughness."):
-        _, _, height = sensitivity.key.split(".")
-        face, _ = _body_of(case, sensitivity.key.removeprefix("roughness."))
-        return say(display, "sensitivities", "step_finish", finish=f"{height} of the {face}")
-    if sensitivity.key in _SCALED:
-        finish = _finish(case)
-        if sensitivity.key == "rms_height" and sensitivity.factor < 1 and finish:
-            return say(display, "sensitivities", "step_finish", finish=finish)
-        key = f"{sensitivity.key}_{'more' if sensitivity.factor > 1 else 'less'}"
-        return say(display, "sensitivities", f"step_{key}", sensitivity=sensitivity)
-    return _dimension(case, sensitivity)
+    key = sensitivity.key.removeprefix("roughness.")
+    parts = () if case.form is None else case.form.parts.values()
+    body, material = _body_of(case, key)
+    return say(
+        case.display,
+        "sensitivities",
+        "step",
+        step=sensitivity,
+        body=body,
+        present="its own" if material == UNNAMED else material,
+        tolerance=parts and all(part.tolerance is not None for part in parts),
+        finish=_finish(case),
+        dimension=partial(_dimension, case, sensitivity),
+    )
 
 
 def _body_of(case: Case, key: str) -> tuple[str, str]:
@@ -125,31 +104,16 @@ def _finish(case: Case) -> str:
     return " and ".join(dict.fromkeys(heights))
 
 
-def _dimension(case: Case, sensitivity: Sensitivity) -> str:
-    """In the words of the case: where it has diameters and included angles, in these."""
-    display = case.display
+def _dimension(case: Case, sensitivity: Sensitivity) -> tuple[str, float]:
+    """A dimension and its change in the words of the case: where it has diameters and included angles, in these."""
     assert sensitivity.before is not None and sensitivity.after is not None  # of a dimension
-    first, _, both = sensitivity.key.partition(" and ")
-    table, _, key = first.partition(".")
-    body, _ = _body_of(case, first)
-    more, word = sensitivity.after - sensitivity.before, partner(key)
-    if key == "angle" and word and word in case.written[table]:
-        more, key = -2.0 * more, word
-    elif (
-        key.endswith("radius")
-        and word
-        and key != "edge_radius"
-        and any(name.endswith("diameter") for name in case.written[table])
-    ):
-        more, key = 2.0 * more, word
-    unit = display.unit_for("angle" if key.endswith("angle") else "length", abs(more))
-    by = f"{trim_zeros(unit.of(abs(more)))} {unit.name} {'larger' if more > 0 else 'smaller'}".replace(
-        " °", "°"
-    )
-    what = key.replace("_", " ")
-    return say(
-        display, "sensitivities", f"step_{'angles' if both else 'dimension'}", by=by, body=body, what=what
-    )
+    table, _, key = sensitivity.key.partition(" and ")[0].partition(".")
+    more, word, names = sensitivity.after - sensitivity.before, partner(key), case.written[table]
+    if key == "angle" and word and word in names:
+        return word, -2.0 * more
+    if key.endswith("radius") and key != "edge_radius" and any(name.endswith("diameter") for name in names):
+        return (word, 2.0 * more) if word else (key, more)
+    return key, more
 
 
 def effect_in_words(display: Display, sensitivity: Sensitivity) -> str:
@@ -160,23 +124,10 @@ def effect_in_words(display: Display, sensitivity: Sensitivity) -> str:
     display : Display
     sensitivity : Sensitivity
     """
-    effect = _effect(display, sensitivity)
-    return effect + say(display, "sensitivities", "words_elsewhere") if sensitivity.helps is False else effect
-
-
-def _effect(display: Display, sensitivity: Sensitivity) -> str:
     low, high = sorted(sensitivity.ratio)
-    if high == 0:
-        return say(display, "sensitivities", "words_closes")
-    if low == math.inf:
-        return say(display, "sensitivities", "words_opens")
-    if high < 1:
-        return say(display, "sensitivities", "words_cuts", part=range_text(_less(high), _less(low)))
-    if low >= 1 and high < _MULTIPLE:
-        part = range_text(*(f"{100 * (end - 1):.0f}" for end in (low, high)))
-        return say(display, "sensitivities", "words_raises", part=part)
-    ends = range_text(*(format_digits(end, 2) if end else "0" for end in (low, high)))
-    return say(display, "sensitivities", "words_multiplies", ratio=ends)
+    cut = range_text(_less(high), _less(low)) if high < 1 else ""
+    values = {"ends": (low, high), "cut": cut, "elsewhere": sensitivity.helps is False}
+    return say(display, "sensitivities", "effect", **values)
 
 
 def _less(ratio: float) -> str:
@@ -218,9 +169,8 @@ def change_in_brief(result: SealSolution, load: CaseLoad) -> str:
         return ""
     # times the limit, at least, after the change
     left = 0.0 if load.judgement is None else load.judgement.times_over * max(sensitivity.ratio)
-    alone = ", which alone is not enough" if left > 1.0 else ""
     what, at = in_words(result.case, sensitivity), load_name(load, result.loads, result.display)
-    return say(result.display, "sensitivities", "words_helps", what=what, at=at, alone=alone)
+    return say(result.display, "sensitivities", "words_helps", what=what, at=at, alone=left > 1.0)
 
 
 def load_of(result: SealSolution) -> str:
@@ -230,9 +180,7 @@ def load_of(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    judgement = result.judgement
-    load = result.highest if judgement is None or judgement.number is None else result.loads[judgement.number]
-    return load_name(load, result.loads, result.display)
+    return load_name(decisive(result), result.loads, result.display)
 
 
 def sensitivity_table(result: SealSolution) -> ReadableTable:

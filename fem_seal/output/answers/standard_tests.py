@@ -20,7 +20,8 @@ from leak.standards import STANDARDS
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.answers.standard_tests import SetPressure, TestedLoad
+    from fem_seal.answers.standard_tests import TestedLoad
+    from fem_seal.output.tables import CsvTable
     from fem_seal.units import Display
 
 
@@ -34,43 +35,26 @@ def standard_in_brief(result: SealSolution) -> str:
     worst, required = worst_of(result.standard_tests), result.case.requirement
     if not worst or required is None or required.standard_and_class is None:
         return ""
-    decisive_test = next(test for test in result.standard_tests if _verdict(test) == worst)
-    sentence = "" if worst == "pass" or not math.isfinite(decisive_test.leak_rate) else "but"
+    load = next(test for test in result.standard_tests if _verdict(test) == worst)
+    values = {"standard": required.standard_and_class[0], **_cells(result.display, load)}
+    told = worst != "pass" and math.isfinite(load.leak_rate)
     return say(
-        result.display,
-        "standard_tests",
-        f"brief_{sentence or 'alone'}",
-        standard=required.standard_and_class[0],
-        verdict=verdict_words(worst),
-        load=decisive_test,
-        rate=_rate(result.display, decisive_test),
-        limit=_limit(result.display, decisive_test),
+        result.display, "standard_tests", "brief", told=told, **values | {"verdict": verdict_words(worst)}
     )
 
 
 def _of_tests(result: SealSolution) -> Iterator[str]:
     tests, required = result.standard_tests, result.case.requirement
-    wanted = None if required is None else required.standard_and_class
-    if wanted is None:
+    if required is None or required.standard_and_class is None:
         return
     for test in tests:
-        how = {math.inf: "open"}.get(test.leak_rate, "unknown" if math.isnan(test.leak_rate) else "test")
-        limit = _limit(result.display, test)
         verdict = "" if test.judgement is None else verdict_words(test.judgement.verdict)
-        name = test.test[0].upper() + test.test[1:]
-        yield say(
-            result.display,
-            "standard_tests",
-            f"says_{how}",
-            name=name,
-            load=test,
-            rate=_rate(result.display, test),
-            limit=limit,
-            verdict=verdict,
-        )
-    memory = STANDARDS[wanted[0]].from_memory
+        values = _cells(result.display, test) | {"verdict": verdict}
+        yield say(result.display, "standard_tests", "says_test", **values)
+    standard, _ = required.standard_and_class
+    memory = STANDARDS[standard].from_memory
     if tests and memory:
-        yield say(result.display, "standard_tests", "says_memory", standard=wanted[0], memory=memory)
+        yield say(result.display, "standard_tests", "says_memory", standard=standard, memory=memory)
 
 
 def spring_in_words(result: SealSolution) -> str:
@@ -129,17 +113,21 @@ def _verdict(load: TestedLoad) -> str:
     return str(load.judgement.verdict) if has_limit and load.judgement is not None else "–"
 
 
-def _row(load: TestedLoad) -> tuple[float | str, ...]:
+def _row(load: TestedLoad, first: float | str) -> tuple[float | str, ...]:
     inputs = load.medium, load.fluid_pressure, load.applied_force
-    return (*inputs, load.leak_rate, *load.ends, allowed(load), _verdict(load))
+    return (first, *inputs, load.leak_rate, *load.ends, allowed(load), _verdict(load))
 
 
-def _test_row(load: TestedLoad) -> tuple[float | str, ...]:
-    return load.test, *_row(load)
+def _test_rows(result: SealSolution) -> CsvTable:
+    return STANDARD_TEST_COLUMNS, [_row(test, test.test) for test in result.standard_tests]
 
 
-def _share_row(relief: SetPressure, load: TestedLoad) -> tuple[float | str, ...]:
-    return load.fluid_pressure / relief.pressure, *_row(load)
+def _set_pressure_rows(result: SealSolution) -> CsvTable:
+    relief = result.set_pressure
+    loads = () if relief is None else relief.loads
+    return SET_PRESSURE_COLUMNS, [
+        _row(load, load.fluid_pressure / relief.pressure) for load in loads if relief
+    ]
 
 
 def set_pressure_picture(result: SealSolution) -> Picture | None:
@@ -169,23 +157,20 @@ def set_pressure_picture(result: SealSolution) -> Picture | None:
 
 
 def _summary(result: SealSolution) -> dict[str, Any]:
-    tests, relief = map(_test_row, result.standard_tests), result.set_pressure
-    return {
-        "standard_tests": [dict(zip(STANDARD_TEST_COLUMNS, row, strict=True)) for row in tests] or None,
-        "standard_verdict": worst_of(result.standard_tests) or None,
-        "set_pressure": None if relief is None else _in_summary(relief),
-    }
-
-
-def _in_summary(relief: SetPressure) -> dict[str, Any]:
-    rows = (_share_row(relief, load) for load in relief.loads)
-    return {
+    relief = result.set_pressure
+    tests, loads = (
+        [dict(zip(columns, row, strict=True)) for row in rows]
+        for columns, rows in (_test_rows(result), _set_pressure_rows(result))
+    )
+    of_relief = relief and {
         "set_pressure_Pa": relief.pressure,
         "contact_radius_m": relief.radius,
         "spring_force_N": relief.force,
         "blow_off_pressure_Pa": relief.opens,
-        "loads": [dict(zip(SET_PRESSURE_COLUMNS, row, strict=True)) for row in rows],
+        "loads": loads,
     }
+    verdict = worst_of(result.standard_tests) or None
+    return {"standard_tests": tests or None, "standard_verdict": verdict, "set_pressure": of_relief}
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -203,20 +188,7 @@ OUTPUT = AnswerOutput(
     lambda result: result.standard_tests or result.set_pressure,
     summary=_summary,
     absent=dict.fromkeys(("standard_tests", "standard_verdict", "set_pressure")),
-    tables={
-        "standard_tests.csv": lambda result: (
-            STANDARD_TEST_COLUMNS,
-            [_test_row(test) for test in result.standard_tests],
-        ),
-        "set_pressure.csv": lambda result: (
-            SET_PRESSURE_COLUMNS,
-            [
-                _share_row(relief, load)
-                for relief in filter(None, [result.set_pressure])
-                for load in relief.loads
-            ],
-        ),
-    },
+    tables={"standard_tests.csv": _test_rows, "set_pressure.csv": _set_pressure_rows},
     pictures=lambda result: (set_pressure_picture(result),),
     page=_page,
 )
