@@ -17,7 +17,7 @@ from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import Display
-from fem_seal.wording import say
+from fem_seal.wording import say, say_all
 from leak import millilitres_per_minute
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def _passes(result: SealSolution, judgement: SealVerdict) -> str:
     passing = None if judgement.number is None else result.loads[judgement.number].chance
     if passing is None or passing.why_none:
         return ""
-    return say(result.display, "verdict", "passes_brief", share=_in_percent(passing.share))
+    return say(result.display, "verdict", "passes_brief", share=passing.share)
 
 
 def _digits(result: SealSolution, judgement: SealVerdict) -> int:
@@ -178,7 +178,7 @@ def _verdict(result: SealSolution, judgement: SealVerdict) -> str:
         else f"the {allowed} of {limit.name}",
         low=f"{_amount(display, low, digits, compared)}{of}",
         high=f"{_amount(display, high, digits, compared)}{of}",
-        range=_range(display, low, high, digits, compared),
+        range=display.leak_range((low, high), digits, beside=(compared,)),
         factor=factor_text(worst.margin, digits),
         times_low=factor_text(over[0], digits),
         times_range=units.range_text(*(factor_text(ratio, digits) for ratio in over)),
@@ -234,8 +234,14 @@ def _as_written(leak_rate: float) -> str:
         )
     if isinstance(leak_rate, Bubbles):
         count = units.trim_zeros(units.round_digits(60.0 * leak_rate.count, 4))
-        return f", {count} bubbles/min of {_bubble(leak_rate.volume)}"
+        return f", {count} bubbles/min{_of_bubbles(leak_rate)}"
     return ""
+
+
+def _of_bubbles(leak_rate: float) -> str:
+    """Volume of a bubble of a limit that is given in them: " of 0.15 ml"; empty for all others."""
+    volume = leak_rate.volume if isinstance(leak_rate, Bubbles) else 0.0
+    return f" of {say(Display(), 'verdict', 'bubble', volume=volume)}" if volume else ""
 
 
 def allowed_in_words(display: Display, loads: Sequence[AnyLoad]) -> str:
@@ -261,10 +267,8 @@ def allowed_in_words(display: Display, loads: Sequence[AnyLoad]) -> str:
         allowed = display.leak_range((min(rates), max(rates)))
     names = [limit.name for limit in known_limits if limit.name != leakage_class.OF_LEAK_RATE]
     of = f" of {known_limits[0].test_fluid}" if known_limits[0].test_fluid else ""
-    if isinstance(rates[0], Bubbles):
-        origin = f" of {_bubble(rates[0].volume)}"
-    else:
-        origin = "".join(f" ({name})" for name in dict.fromkeys(names)) or _as_written(rates[0])
+    of_class = "".join(f" ({name})" for name in dict.fromkeys(names))
+    origin = _of_bubbles(rates[0]) or of_class or _as_written(rates[0])
     return say(display, "verdict", "check_beside", allowed=f"{allowed}{of}{origin}")
 
 
@@ -280,7 +284,7 @@ def _basis(result: SealSolution, judgement: SealVerdict) -> Iterator[str]:
         yield say(display, "verdict", "basis_volume", state=_state(result.case, judgement.worst.limit))
     limit, decided = judgement.worst.limit, judgement.worst.why in _BY_INTERVAL
     if limit.bubble_volume is not None:
-        yield say(display, "verdict", "basis_bubble", **_bubbles(display, limit))
+        yield say(display, "verdict", "basis_bubble", limit=limit)
     if limit.test_fluid and decided and not math.isinf(judgement.margin):
         yield say(
             display, "verdict", "basis_converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio))
@@ -348,19 +352,6 @@ def _in_scenarios(result: SealSolution, judgement: SealVerdict) -> Iterator[str]
         )
 
 
-def _bubbles(display: Display, limit: Limit) -> dict[str, str]:
-    """Volume of one bubble, and how many of them a limit allows; none of these where no leakage may be visible."""
-    volume = limit.bubble_volume
-    if not volume or limit.visible or math.isnan(limit.leak_rate):
-        return {"volume": _bubble(volume or 0.0), "most": ""}
-    count = units.trim_zeros(units.round_digits(60.0 * limit.leak_rate / volume, 3))
-    return {"volume": _bubble(volume), "most": say(display, "verdict", "check_bubbles", count=count)}
-
-
-def _bubble(volume: float) -> str:
-    return f"{units.trim_zeros(units.round_digits(1e6 * volume, 2))} ml"
-
-
 def _amount(display: Display, leak_rate: float, digits: int, limit: float) -> str:
     """A leak rate with enough digits to be on the correct side of the limit in the sentence."""
     if not 0 < leak_rate < math.inf:
@@ -368,10 +359,6 @@ def _amount(display: Display, leak_rate: float, digits: int, limit: float) -> st
     unit = display.flow_unit((leak_rate, limit)) or display.unit_for("flow", leak_rate)
     value, allowed = unit.of(leak_rate), units.round_digits(unit.of(limit), 2)
     return f"{units.format_digits(value, units.digits_at_limit(value, allowed, digits))} {unit.name}"
-
-
-def _range(display: Display, low: float, high: float, digits: int, limit: float) -> str:
-    return display.leak_range((low, high), digits, beside=(limit,))
 
 
 def _limit_text(display: Display, limit: Limit, rates: Collection[float] = ()) -> str:
@@ -421,28 +408,18 @@ def tiles(result: SealSolution) -> Iterator[Tile]:
     judgement, load = result.judgement, decisive(result)
     level, likely = load.validity.level, least_likely(result.loads)
     if judgement is not None:
-        margin = (
-            factor_text(judgement.margin, _digits(result, judgement))
-            if math.isfinite(judgement.margin)
-            else "–"
-        )
-        margin = "sealed" if math.isinf(judgement.margin) else margin
+        margin = "sealed" if math.isinf(judgement.margin) else "–"
+        if math.isfinite(judgement.margin):
+            margin = factor_text(judgement.margin, _digits(result, judgement))
         yield Tile("Margin", margin, say(display, "verdict", "tile_margin"), 10, level)
     if likely is not None and likely.chance is not None and not likely.chance.why_none:
         at = load_name(likely, result.loads, display)
-        yield Tile(
-            "Passes",
-            _in_percent(likely.chance.share),
-            say(display, "verdict", "tile_passes", load=at),
-            15,
-            level,
-        )
+        share = say(display, "verdict", "probability", share=likely.chance.share)
+        yield Tile("Passes", share, say(display, "verdict", "tile_passes", load=at), 15, level)
     if force := load.verdict_force:
         none = "none" if force.looked_for else "not calculated"
         value = none if force.force is None else force_to_pass(display, force.force)
-        remark = say(
-            display, "verdict", f"tile_{'none' if force.force is None else 'force'}", begins=force.begins
-        )
+        remark = say(display, "verdict", "tile_force", force=force)
         yield Tile(FORCE_TO_PASS, value, remark, 40, load.validity.of_contact.level)
     shares = {} if judgement is None else _shares(result, judgement.shares)
     for name, share in shares.items():
@@ -462,34 +439,13 @@ def least_likely(loads: Sequence[CaseLoad]) -> CaseLoad | None:
     return min(known_loads or judged_loads, key=lambda load: load.chance.share, default=None)  # type: ignore[union-attr]
 
 
-def _in_percent(share: float) -> str:
-    """A probability: none is told as certain, and none as impossible."""
-    if share > 0.9995 or share < 0.0005:
-        return "more than 99.9 %" if share > 0.5 else "less than 0.1 %"
-    return f"{100.0 * share:.1f} %"
-
-
 def _pass_sentence(result: SealSolution) -> str:
     """How likely the load passes that passes least often; empty where nobody knows."""
     load = least_likely(result.loads)
     if load is None or load.chance is None:
         return ""
-    chance = load.chance
-    return say(
-        result.display,
-        "verdict",
-        "passes_none" if chance.why_none else "passes_share",
-        tested=load.after_test,
-        load=load_name(load, result.loads, result.display),
-        share=_in_percent(chance.share),
-        error=_in_percent(chance.error),
-        batch="" if math.isnan(chance.batch_low) else _in_percent(chance.batch_low),
-        why=chance.why_none,
-    )
-
-
-# Factors below this are shown in per cent: two digits would make them "1.1 times".
-_HARDLY = 1.15
+    at = load_name(load, result.loads, result.display)
+    return say(result.display, "verdict", "passes", load=at, chance=load.chance, tested=load.after_test)
 
 
 def next_class_in_words(case: Case, load: CaseLoad) -> str:
@@ -503,10 +459,6 @@ def next_class_in_words(case: Case, load: CaseLoad) -> str:
     next_class = leakage_class.next_class(case, load)
     if next_class is None:
         return ""
-    if next_class.as_calculated:
-        return say(case.display, "verdict", "next_as_calculated", tighter=next_class)
-    if next_class.factor < _HARDLY:
-        return say(case.display, "verdict", "next_near", tighter=next_class, less=1 - 1 / next_class.factor)
     factor = factor_text(next_class.factor, min(load.leak_digits, 2))
     return say(case.display, "verdict", "next_class", tighter=next_class, factor=factor)
 
@@ -518,9 +470,7 @@ def next_class_of(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    if result.judgement is not None:
-        return ""
-    return next_class_in_words(result.case, result.highest)
+    return "" if result.judgement is not None else next_class_in_words(result.case, result.highest)
 
 
 def basis_lines(result: SealSolution) -> list[str]:
@@ -533,12 +483,8 @@ def basis_lines(result: SealSolution) -> list[str]:
     judgement, forces = result.judgement, verdict_force_sentences(result.display, result.loads)
     if judgement is None:
         return [*filter(None, [next_class_of(result)]), *forces]
-    used = used_in_words(result, judgement.shares)
-    return [
-        *_basis(result, judgement),
-        *([say(result.display, "verdict", "used_all", used=used)] if used else []),
-        *forces,
-    ]
+    used = say_all(result.display, "verdict", "used_all", used=used_in_words(result, judgement.shares))
+    return [*_basis(result, judgement), *used, *forces]
 
 
 def verdict_force_sentences(display: Display, loads: Sequence[CaseLoad]) -> list[str]:
@@ -557,23 +503,9 @@ def verdict_force_sentences(display: Display, loads: Sequence[CaseLoad]) -> list
 
 
 def _verdict_force_sentence(display: Display, pressure: float, verdict_force: VerdictForce) -> str:
-    if not verdict_force.looked_for:
-        return say(display, "verdict", "force_unasked", why=verdict_force.why_none)
-    kind, force = (
-        ("none", "")
-        if verdict_force.force is None
-        else ("passes", force_to_pass(display, verdict_force.force))
-    )
-    begins = f" {verdict_force.begins}" if verdict_force.begins else ""
-    return say(
-        display,
-        "verdict",
-        f"force_{kind}",
-        pressure=pressure,
-        begins=begins,
-        force=force,
-        why=verdict_force.why_none,
-    )
+    force = "" if verdict_force.force is None else force_to_pass(display, verdict_force.force)
+    values = {"pressure": pressure, "verdict_force": verdict_force, "force": force}
+    return say(display, "verdict", "force", **values)
 
 
 def force_to_pass(display: Display, force: float) -> str:
@@ -611,55 +543,23 @@ def requirement_lines(case: Case) -> list[str]:
         if required.judges(pressure):
             for limit in leakage_class.limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), (limit, []))[1].append(pressure)
-    lines = [_limit_line(case.display, limit, pressures) for limit, pressures in at.values()]
-    if case.display.state_of(fluid.volume):
-        limits = leakage_class.limits(case, case.load.fluid_pressure[0])
-        lines += [
-            say(case.display, "verdict", "check_volume", state=state)
-            for state in dict.fromkeys(_state(case, limit) for limit in limits)
-        ]
-    for limit in leakage_class.limits(case, case.load.fluid_pressure[0]):
-        if limit.name != leakage_class.OF_LEAK_RATE:
-            per_length = limit.name.startswith(tuple(leakage_class.PER_LENGTH))
-            lines.append(
-                say(
-                    case.display,
-                    "verdict",
-                    "check_size",
-                    size=leakage_class.class_size(case, per_length=per_length)[1],
-                )
-            )
-        if limit.bubble_volume is not None:
-            lines.append(say(case.display, "verdict", "check_bubble", **_bubbles(case.display, limit)))
-        if limit.test_fluid:
-            ratio = tuple(sorted(limit.ratio))
-            lines.append(
-                say(
-                    case.display,
-                    "verdict",
-                    "check_fluid",
-                    fluid=limit.test_fluid,
-                    ratio=ratio,
-                    fluid_of_case=fluid.name,
-                )
-            )
-    return lines
-
-
-def _limit_line(display: Display, limit: Limit, pressures: Sequence[float]) -> str:
-    kind = "none" if math.isnan(limit.leak_rate) else "zero" if limit.visible else "limit"
-    ends = min(pressures), max(pressures)
-    several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
-    allowed, si = _limit_text(display, limit), limit.leak_rate
-    return say(
-        display,
+    limits = leakage_class.limits(case, case.load.fluid_pressure[0])
+    sizes = [
+        leakage_class.class_size(case, per_length=limit.name.startswith(tuple(leakage_class.PER_LENGTH)))[1]
+        if limit.name != leakage_class.OF_LEAK_RATE
+        else ""
+        for limit in limits
+    ]
+    return say_all(
+        case.display,
         "verdict",
-        f"check_{kind}",
-        limit=limit.name,
-        allowed=allowed,
-        si=si,
-        loads=ends,
-        several=several,
+        "check",
+        limits_at=at.values(),
+        states=dict.fromkeys(_state(case, limit) for limit in limits)
+        if case.display.state_of(fluid.volume)
+        else (),
+        limits=zip(limits, sizes, strict=True),
+        fluid_of_case=fluid.name,
     )
 
 
