@@ -19,9 +19,9 @@ from fem_seal.output.answers.variants import has_one_number
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Bounds
 from fem_seal.seal.load_result import load_values
-from fem_seal.units import LIQUID, LeakVolume, digits_at_limit, format_digits, percent, range_text
+from fem_seal.units import LIQUID, LeakVolume, digits_at_limit, format_digits, range_text
 from fem_seal.validity.checks import FLUID_OPENS
-from fem_seal.wording import say
+from fem_seal.wording import say, say_all
 from leak import CoupledLeakResult, LeakageClass, LeakResult, drops_per_minute
 
 if TYPE_CHECKING:
@@ -106,10 +106,8 @@ def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str
     if surface.hardness is None:
         yield say(display, "leak", "elastic")
         return
-    area = float(surface.contact_area(peak))
-    yielded = float(surface.plastic_area(peak)) / area
-    share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    factor, effect = yielding_factor(load)
+    area, (factor, effect) = float(surface.contact_area(peak)), yielding_factor(load)
+    share = float(surface.plastic_area(peak)) / area
     yield say(display, "leak", "yielded", area=area, share=share, effect=effect, factor=factor)
 
 
@@ -189,13 +187,9 @@ def yielding_factor(load: CaseLoad) -> tuple[str, str]:
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
     if low == 0:
         return format_digits(elastic / high, digits_at_limit(elastic / high, 1.0, digits)), "never_sealed"
-    factor = range_text(
-        *(
-            format_digits(ratio, digits_at_limit(ratio, 1.0, digits))
-            for ratio in (elastic / high, elastic / low)
-        )
-    )
-    return factor, "never" if elastic / low > _NOTICED else "hardly"
+    ratios = (elastic / high, elastic / low)
+    texts = (format_digits(ratio, digits_at_limit(ratio, 1.0, digits)) for ratio in ratios)
+    return range_text(*texts), "never" if elastic / low > _NOTICED else "hardly"
 
 
 def leakage_text(
@@ -321,33 +315,32 @@ def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list
     """
     if load.leak is None:
         return []
-    validity = load.validity
-    doubt = (
-        f" ({validity.level}: {validity.reasons_in(case.display)[0]})"
-        if validity.reasons_in(case.display)
-        else ""
+    display, validity, volume = case.display, load.validity, volume_of(case)
+    rate, tested = leakage_text(display, load, volume), load.after_test and not validity.outside_theory
+    first, *others = say_all(
+        display,
+        "leak",
+        "lines",
+        load=load_values(load, loads, display),
+        rate=told_after_test(display, load, volume, rate) if tested else rate,
+        tested=tested,
+        validity=validity,
+        covered=sure(case, load),
+        as_given=_as_given(case, load) if load.sample_ends is not None else "",
+        size=class_size(case)[1],
+        classes=classes_in_words(leakage_classes(case, load)),
+        judged_as="" if validity.outside_theory else judged_as(case, load),
     )
-    why = ", because the leak rate is outside the theory" if validity.outside_theory else ""
-    tested, covered = "" if validity.outside_theory else judged_as(case, load), sure(case, load)
-    classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
-    at, rate = load_values(load, loads, case.display), leakage_text(case.display, load, volume)
-    if load.after_test and not validity.outside_theory:
-        at, rate = f"{at} after the leak test", told_after_test(case.display, load, volume, rate)
-    return [
-        f"Leak rate at {at}: {rate}{doubt}",
-        *([f"  {covered}."] if covered else []),
-        *([f"  {_as_given(case, load)}"] if load.sample_ends is not None else []),
-        f"Leakage class for {class_size(case)[1].text(case.display)}: {classes}{why}",
-        *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
-    ]
+    # what is said of a line stands below it
+    return [first, *(line if line.startswith("Leakage class") else f"  {line}" for line in others)]
 
 
 def _as_given(case: Case, load: CaseLoad) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(case.display, load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    finish, inputs = ("tested_finish", "tested_inputs") if load.after_test else ("finish", "inputs")
-    return say(case.display, "interval", f"as_given_{finish if has_finish(case) else inputs}", rate=rate)
+    values = {"tested": load.after_test, "finish": has_finish(case), "rate": rate}
+    return say(case.display, "interval", "as_given", **values)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:

@@ -37,11 +37,6 @@ def _rate_text(result: SealSolution, display: Display, load: CaseLoad) -> str:
     )
 
 
-def _remark_on_inputs(load: CaseLoad) -> str:
-    """Remark that the other theory uses the inputs as stated: only one theory is sampled."""
-    return "" if load.sample_ends is None else " with the inputs as stated"
-
-
 def has_one_number(load: CaseLoad) -> bool:
     """Whether a leak rate is told as one number, which is the paper's, and not as its interval.
 
@@ -107,7 +102,7 @@ def headline(result: SealSolution, display: Display) -> str:
         return ""
     other, at = load.scenarios[others[0]], load_name(load, result.loads, display)
     rate = _rate_text(result, display, other) if _rate(other) else "nothing"
-    return say(display, "theories", "headline", rate=rate, load=at, inputs=_remark_on_inputs(load))
+    return say(display, "theories", "headline", rate=rate, load=at, sampled=load.sample_ends is not None)
 
 
 def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
@@ -129,18 +124,18 @@ def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
 
 
 def _compare_rates(result: SealSolution, display: Display, name: str, other: CaseLoad) -> str:
-    load, volume = result.highest, volume_of(result.case)
-    present, rate = _rate(load), _rate(other)
+    load, rate = result.highest, _rate_text(result, display, other) if _rate(other) else ""
     return say(
         display,
         "theories",
         "rate",
         theory=SCENARIOS[name].title,
         load=load_name(load, result.loads, display),
-        inputs=_remark_on_inputs(load),
-        rate=_rate_text(result, display, other) if rate else "",
-        factor=rate / present if present else None,
-        present=display.leak_range(present, min(load.leak_digits, 2), volume=volume) if present else "",
+        sampled=load.sample_ends is not None,
+        rate=rate,
+        rates=(_rate(other), _rate(load)),
+        digits=min(load.leak_digits, 2),
+        volume=volume_of(result.case),
     )
 
 
@@ -177,23 +172,12 @@ def variant_table(result: SealSolution) -> ReadableTable:
     volume = volume_of(result.case)
     unit = result.display.name_unit(result.display.shared_flow_unit(rates), volume)
     load = result.strongest
-    used = result.case.interface.plastic
-    return worded_table(
-        result.display,
-        "interface_laws",
-        [
-            {
-                "variant": variant,
-                "used": " (used)" if ("plastic" in variant.name) == used else "",
-                "leak_rate": _rates_of(result.display, variant, unit, load, volume),
-            }
-            for variant in result.interface_variants
-        ],
-        unit=f" [{unit.name}]" if rates else "",
-        load=load,
-        fwhm_digits=load.digits_of("fwhm"),
-        std_digits=load.digits_of("std"),
-    )
+    rows = [
+        {"variant": variant, "leak_rate": _rates_of(result.display, variant, unit, load, volume)}
+        for variant in result.interface_variants
+    ]
+    values = {"plastic": result.case.interface.plastic, "unit": unit.name if rates else "", "load": load}
+    return worded_table(result.display, "interface_laws", rows, **values)
 
 
 def _rates_of(

@@ -68,13 +68,9 @@ def given_in_words(result: SealSolution) -> list[str]:
 def _contact_alone(result: SealSolution) -> str:
     """Width and peak pressure of the contact of a case without a leak rate, and why it has none."""
     missing, load = "roughness" if result.surface is None else "fluid", result.highest
-    at, contact = load_values(load, result.every_load, result.display), _contact(result.display, load)
-    return say(result.display, "brief", "first_contact", load=at, contact=contact, missing=missing)
-
-
-def _contact(display: Display, load: CaseLoad) -> str:
-    width, peak = (in_words(display, load, name) for name in ("fwhm_m", "peak_pressure_Pa"))
-    return f"{width} wide under {peak} peak pressure"
+    at = load_values(load, result.every_load, result.display)
+    width, peak = (in_words(result.display, load, name) for name in ("fwhm_m", "peak_pressure_Pa"))
+    return say(result.display, "brief", "first_contact", load=at, width=width, peak=peak, missing=missing)
 
 
 def lines_in_brief(result: SealSolution, pages: Sequence[AnswerPage]) -> list[str]:
@@ -121,27 +117,24 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
     if load.leak is None:
         return say(case.display, "brief", "first_none", load=at)
     if validity.outside_theory:
-        return say(
-            case.display, "brief", "first_outside", load=at, reason=validity.reasons_in(case.display)[0]
-        )
+        reason, *_ = validity.reasons_in(case.display)
+        return say(case.display, "brief", "first_outside", load=at, reason=reason)
     one_number = has_one_number(load)
     told_rate, digits = (
         (load.leak.leak_rate, min(load.leak_digits, 2)) if one_number else (rate_of(load), load.leak_digits)
     )
     rate = case.display.leak_range(told_rate, digits, volume=volume)
-    classes = leakage_classes(case, load)
-    met = ", ".join(str(leakage_class) for leakage_class in classes if leakage_class.name)
-    ends = load.leak_interval or (load.leak.leak_rate,)
-    sealed = not volume.measurable(max(ends))
-    key = "tested" if load.after_test else "tight" if sealed else "leaks_published" if one_number else "leaks"
-    line = say(
+    sealed = not volume.measurable(max(load.leak_interval or (load.leak.leak_rate,)))
+    return say(
         case.display,
         "brief",
-        f"first_{key}",
-        load=f"{at}, with doubt" if validity.level is Level.DOUBTFUL else at,
+        "first_leak",
+        kind="tested" if load.after_test else "sealed" if sealed else "paper" if one_number else "",
+        load=at,
+        doubt=validity.level is Level.DOUBTFUL,
         rate=told_after_test(case.display, load, volume, rate) if load.after_test else rate,
+        classes=[str(grade) for grade in leakage_classes(case, load) if grade.name],
     )
-    return f"{line}; " + say(case.display, "brief", f"first_{'classes' if met else 'no_class'}", met=met)
 
 
 def second_line(result: SealSolution) -> str:
@@ -159,14 +152,13 @@ def second_line(result: SealSolution) -> str:
 def _force(result: SealSolution, load: CaseLoad) -> str:
     display = result.display
     judged_loads = [entry for entry in result.loads if entry.judgement is not None] or [load]
-    force_at = {
-        entry: None if entry.verdict_force is None else entry.verdict_force.force for entry in judged_loads
-    }
-    forces = [(force, entry) for entry, force in force_at.items() if force is not None]
-    if len(forces) < len(force_at):
+    forces = {entry: entry.verdict_force.force for entry in judged_loads if entry.verdict_force is not None}
+    known_forces = {entry: force for entry, force in forces.items() if force is not None}
+    if len(known_forces) < len(judged_loads):
         return ""
-    force, where = max(forces, key=lambda pair: pair[0])
-    return say(display, "brief", "second_force", load=where, force=verdict.force_to_pass(display, force))
+    where = max(known_forces, key=known_forces.__getitem__)
+    force = verdict.force_to_pass(display, known_forces[where])
+    return say(display, "brief", "second_force", load=where, force=force)
 
 
 def _curve(result: SealSolution, load: CaseLoad) -> str:
@@ -196,19 +188,15 @@ def _share(result: SealSolution, load: CaseLoad) -> str:
     largest = largest_share(result, result.loads.index(load))
     if largest is None:
         return ""
+    name, share = largest
     return say(
-        display,
-        "brief",
-        "second_share",
-        name=largest[0],
-        share=largest[1],
-        at=load_name(load, result.loads, display),
+        display, "brief", "second_share", name=name, share=share, at=load_name(load, result.loads, display)
     )
 
 
 def _use_in_words(result: SealSolution, load: CaseLoad) -> str:
     used = "" if result.judgement is None else verdict.used_in_words(result, result.judgement.shares)
-    return say(result.display, "brief", "second_used", used=used) if used else ""
+    return say(result.display, "verdict", "used_all", used=used).rstrip(".")
 
 
 _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
@@ -333,14 +321,8 @@ def _repeats_end(column: ReportColumn, end: Sequence[float | None]) -> bool:
 def _leaks_in_one_unit(display: Display, columns: Iterable[ReportColumn]) -> Iterator[ReportColumn]:
     """Columns whose leak rates share the unit of the sentences."""
     all_columns = list(columns)
-    rates = [
-        rate
-        for column in all_columns
-        if column.column.kind == "flow"
-        for rate in column.values
-        if rate is not None
-    ]
-    unit = display.shared_flow_unit(rates)
+    flows = [column.values for column in all_columns if column.column.kind == "flow"]
+    unit = display.shared_flow_unit([rate for rates in flows for rate in rates if rate is not None])
     for column in all_columns:
         yield replace(column, given_unit=unit) if column.column.kind == "flow" else column
 
