@@ -56,8 +56,9 @@ def shares_in_brief(result: SealSolution, number: int) -> str:
     sources = _of_load(result, number)
     if sources is None or sources.factor < _NARROW or len(sources.of_width) < 2:
         return ""
-    named = [(name, share) for name, share in list(sources.of_width.items())[:_NAMED] if share >= _LEAST]
-    shares = ", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in named)
+    shares = {
+        input_name(name): share for name, share in [*sources.of_width.items()][:_NAMED] if share >= _LEAST
+    }
     at = load_name(result.loads[number], result.loads, display)
     return say(display, "error_shares", "interval_shares", load=at, factor=sources.factor, shares=shares)
 
@@ -87,25 +88,17 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
     number : int
         Of the load.
     """
-    display = result.display
-    sources = _of_load(result, number)
-    what, left = min(
-        [] if sources is None else _measurements_worth_it(result, sources),
-        key=itemgetter(1),
-        default=("", 0.0),
-    )
-    if not what or sources is None:
+    display, sources = result.display, _of_load(result, number)
+    worth = [] if sources is None else [*_measurements_worth_it(result, sources)]
+    if not worth or sources is None:
         return ""
+    what, left = min(worth, key=itemgetter(1))
     at = load_name(result.loads[number], result.loads, display)
     return say(display, "error_shares", "interval_measure", what=what, left=left, now=sources.factor, at=at)
 
 
 def _of_load(result: SealSolution, number: int) -> ErrorShares | None:
     return result.error_shares[number] if number < len(result.error_shares) else None
-
-
-def _of_highest_load(result: SealSolution) -> ErrorShares | None:
-    return _of_load(result, highest_load(result.loads))
 
 
 def _measurements_worth_it(result: SealSolution, sources: ErrorShares) -> Iterator[tuple[str, float]]:
@@ -121,20 +114,16 @@ def _measurements_worth_it(result: SealSolution, sources: ErrorShares) -> Iterat
     if profiles is not None:
         best.pop("line_scan", None)
         if profiles.left * _NARROWER <= sources.factor:
-            yield (say(display, "error_shares", "measurement_profiles", profiles=profiles), profiles.left)
+            yield say(display, "error_shares", "measurement_profiles", profiles=profiles), profiles.left
     for measurement in list(best.values())[: _INSTRUMENTS - (profiles is not None)]:
-        yield (
-            say(display, "error_shares", "measurement_input", **_words(result, measurement)),
-            float(measurement.left or 0.0),
-        )
+        words = _words(result, measurement)
+        yield say(display, "error_shares", "measurement_input", **words), float(measurement.left or 0.0)
     # that at a lower load says more than it seems to
     tests = [measurement for measurement in worth if measurement.instrument == LEAK_TEST]
     if test is not None:
         test = min(tests, key=lambda measurement: result.loads[measurement.at or 0].point)
-        yield (
-            say(display, "error_shares", "measurement_leak_test", **_words(result, test)),
-            float(test.left or 0.0),
-        )
+        words = _words(result, test)
+        yield say(display, "error_shares", "measurement_leak_test", **words), float(test.left or 0.0)
 
 
 def _words(result: SealSolution, measurement: Measurement) -> dict[str, str]:
@@ -142,11 +131,8 @@ def _words(result: SealSolution, measurement: Measurement) -> dict[str, str]:
     table = instruments()[measurement.instrument]
     scan = None if result.case.roughness is None else line_scans(result.case.roughness)
     length = {} if scan is None else {"length": scan.length}
-    load = (
-        ""
-        if measurement.at is None
-        else load_name(result.loads[measurement.at], result.loads, result.display)
-    )
+    at = None if measurement.at is None else result.loads[measurement.at]
+    load = "" if at is None else load_name(at, result.loads, result.display)
     accurate = {input_name(name): percent(value, 1) for name, value in measurement.accuracy.items()}
     first, *others = [f"{name} to {accuracy}" for name, accuracy in accurate.items()]
     return {
@@ -167,23 +153,20 @@ def measurement_table(result: SealSolution) -> ReadableTable:
     ----------
     result : SealSolution
     """
-    sources = _of_highest_load(result)
+    sources = _of_load(result, highest_load(result.loads))
     rows = [] if sources is None else [_words(result, measurement) for measurement in sources.measurements]
-    return worded_table(
-        result.display, "measurements", rows, now="" if sources is None else format_digits(sources.factor, 2)
-    )
+    now = "" if sources is None else format_digits(sources.factor, 2)
+    return worded_table(result.display, "measurements", rows, now=now)
 
 
 def _page(result: SealSolution) -> AnswerPage:
     load = decisive(result)
     number = result.loads.index(load)
     decides = [*filter(None, (shares_in_brief(result, number), measurement_in_brief(result, number)))]
-    tiles = []
-    if largest := largest_share(result, number):
-        name, share = largest
-        tiles.append(
-            Tile("Main uncertainty", share, f"{name}, share of the interval", 35, load.validity.level)
-        )
+    tiles = [
+        Tile("Main uncertainty", share, f"{name}, share of the interval", 35, load.validity.level)
+        for name, share in filter(None, [largest_share(result, number)])
+    ]
     section = worded_section(result.display, "measurements", (), measurement_table(result))
     return AnswerPage(tiles=tiles, decides=decides, section=section, details=decides)
 

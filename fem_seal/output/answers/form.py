@@ -198,17 +198,8 @@ def _of_load(load: CaseLoad, result: SealSolution, display: Display) -> list[str
     assert around is not None
     angles, width = least_loaded(around)
     turn = None if around.leak_rate is None else turn_that_leaks(around.leak_rate, _MOST)
-    return say_all(
-        display,
-        "form",
-        "around",
-        load=load_name(load, result.loads, display),
-        around=around,
-        at=_angles_text(angles),
-        parted=_degrees(width) if around.line_load.min() == 0 else "",
-        turn=None if turn is None else _degrees(turn),
-        share=_MOST,
-    )
+    at, places = load_name(load, result.loads, display), {"angles": angles, "width": width, "turn": turn}
+    return say_all(display, "form", "around", load=at, around=around, named=_NAMED, share=_MOST, **places)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -256,20 +247,6 @@ def turn_that_leaks(leak_rate: FloatArray, share: float) -> float | None:
         return None
     passed = np.concatenate([[0.0], np.cumsum(np.sort(leak_rate)[::-1]) / total])
     return float(np.interp(share, passed, np.arange(len(passed)))) * 2 * math.pi / len(leak_rate)
-
-
-def _angles_text(angles: list[float]) -> str:
-    """The angles, "90° and 270°", or the number of many."""
-    if not angles:
-        return "every angle"
-    if len(angles) > _NAMED:
-        return f"{len(angles)} places around the axis"
-    texts = [_degrees(angle) for angle in angles]
-    return " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
-
-
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.0f}°"
 
 
 def around_rows(result: SealSolution) -> CsvTable:

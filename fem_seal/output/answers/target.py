@@ -45,9 +45,8 @@ def tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[Ti
     if opens := opens_at(display, load):
         remark = say(display, "target", "opens", load=load)
         yield Tile(OPENS, opens, remark, 30, load.validity.of_contact.level)
-    target, force = result.case.load.target_leak_rate, load.force_for_target
-    if target is not None and force is not None:
-        forces = (force, *_other_forces(load).values())
+    target, forces = result.case.load.target_leak_rate, [*_target_forces(load).values()]
+    if target is not None and forces:
         low, high = (_target_force(display, load, end) for end in (forces[0], forces[-1]))
         remark = say(display, "target", "force", target=target_text(result, target), both=low != high)
         level = (load.target_validity or load.validity).level
@@ -73,26 +72,14 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
     target = result.case.load.target_leak_rate
     if target is None or result.highest.preload_for_target is not None:
         return ""
-    forces = [
-        (_most_force(load), n) for n, load in enumerate(result.loads) if load.force_for_target is not None
-    ]
+    forces = [(max(some.values()), n) for n, some in enumerate(map(_target_forces, result.loads)) if some]
     if not forces:
         answer = TARGET.of(result.answers)
-        why = (
-            answer.remarks[0].text(display).removeprefix("load.target_leak_rate = ")
-            if answer and answer.remarks
-            else ""
-        )
-        return say(display, "target", "unmet", why=why) if why else ""
+        return say(display, "target", "unmet", why=answer.remarks[0]) if answer and answer.remarks else ""
     # a fluid that closes the seal leaves most to the spring at its lowest pressure
     force, number = max(forces)
     load = result.loads[number]
-    contact, validity = load.contact_force_for_target, load.target_validity
-    doubt = (
-        ""
-        if validity is None or not validity.doubts
-        else f"{validity.level}: {validity.reasons_in(display)[0]}"
-    )
+    contact = load.contact_force_for_target
     return say(
         display,
         "target",
@@ -100,29 +87,16 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
         target=target_text(result, target),
         force="" if force <= 0.0 else _target_force(display, load, force),
         # another reading moves the force of the contact by as much as that of the spring
-        line_load=None
-        if contact is None
-        else _line_load(load, contact + force - (load.force_for_target or 0.0)),
+        contact=None if contact is None else contact + force - (load.force_for_target or 0.0),
         load=load,
-        doubt=doubt,
     )
 
 
-def _most_force(load: CaseLoad) -> float:
-    """Force for the target in the reading of yielding asperities that needs most [N]."""
-    assert load.force_for_target is not None  # one is found
-    return max([load.force_for_target, *_other_forces(load).values()])
-
-
-def _line_load(load: CaseLoad, contact_force: float) -> float:
-    """Per length of the circle of first touch, normal to the contact [N/m]."""
-    return load.contact.model.line_load(contact_force)
-
-
-def _other_forces(load: CaseLoad) -> dict[str, float]:
-    """Force for the target in the scenarios beside, where one is found [N]."""
-    forces = {name: scenario.force_for_target for name, scenario in load.others.items()}
-    return {name: force for name, force in forces.items() if force is not None}
+def _target_forces(load: CaseLoad) -> dict[str, float]:
+    """Force for the target in the reading of the case and in the scenarios beside, where one is found [N]."""
+    forces = {name: reading.force_for_target for name, reading in {"": load, **load.others}.items()}
+    known_forces = {name: force for name, force in forces.items() if force is not None}
+    return {} if load.force_for_target is None else known_forces
 
 
 def target_text(result: SealSolution, leak_rate: float) -> str:
@@ -150,7 +124,8 @@ def valve_table(result: SealSolution) -> ReadableTable:
         filled_columns(result.case, SHOWN_COLUMNS[key], result.loads) for key in ("given", "asked")
     )
     # the pressure that lifts the closure off, also where leak.csv has the one that lifts the surfaces apart
-    opens = [_finite(load.blow_off_pressure) for load in result.loads]
+    pressures = (load.blow_off_pressure for load in result.loads)
+    opens = [None if pressure is None or math.isinf(pressure) else pressure for pressure in pressures]
     asked = [
         replace(column, values=opens) if column.column.name == "blow_off_pressure_Pa" else column
         for column in asked
@@ -158,10 +133,6 @@ def valve_table(result: SealSolution) -> ReadableTable:
     if not any(column.some for column in asked):
         return ReadableTable((), ())
     return columns_table([*given, *asked])
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:

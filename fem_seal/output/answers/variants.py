@@ -176,8 +176,8 @@ def variant_table(result: SealSolution) -> ReadableTable:
         {"variant": variant, "leak_rate": _rates_of(result.display, variant, unit, load, volume)}
         for variant in result.interface_variants
     ]
-    values = {"plastic": result.case.interface.plastic, "unit": unit.name if rates else "", "load": load}
-    return worded_table(result.display, "interface_laws", rows, **values)
+    plastic, name = result.case.interface.plastic, unit.name if rates else ""
+    return worded_table(result.display, "interface_laws", rows, plastic=plastic, unit=name, load=load)
 
 
 def _rates_of(

@@ -332,24 +332,9 @@ def far_field_sentence(result: SealSolution) -> str:
     """The influence of the far field in one sentence; empty if nothing was compared."""
     if not result.far_field:
         return ""
-    changes = "; ".join(
-        say(
-            result.display,
-            "notes",
-            f"far_field_{'peak' if change.leak_rate is None else 'both'}",
-            change=change.name,
-            peak=_change_in_words(change.peak_pressure),
-            leak_rate="" if change.leak_rate is None else _change_in_words(change.leak_rate),
-        )
-        for change in result.far_field
-    )
-    which = "one" if len(result.loads) == 1 else "strongest"
-    load = load_name(result.strongest, result.loads, result.display)
-    return say(result.display, "notes", f"far_field_{which}", load=load, changes=changes)
-
-
-def _change_in_words(change: float) -> str:
-    return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"
+    load, several = load_name(result.strongest, result.loads, result.display), len(result.loads) > 1
+    values = {"changes": result.far_field, "several": several, "least": _LEAST}
+    return say(result.display, "notes", "far_field", load=load, **values)
 
 
 # Number of columns that fit on the page; of more columns these are dropped first. leak.csv has them all.
@@ -480,21 +465,14 @@ def marks_of(loads: Sequence[CaseLoad]) -> list[str]:
 def validity_table(result: SealSolution) -> ReadableTable:
     """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
-    rows: list[dict[str, object]] = [
-        {
-            "load": load_name(load, loads, result.display),
-            "level": doubt.level,
-            "reason": doubt.reason(result.display),
-        }
+    reasons: list[tuple[str, str, str]] = [
+        (load_name(load, loads, result.display), doubt.level, doubt.reason(result.display))
         for load in loads
         for doubt in load.validity.doubts
     ]
-    rows += [
-        {
-            "load": load_name(load, result.every_load, result.display),
-            "level": NOT_CALCULATED,
-            "reason": why_missing(load.problem),
-        }
+    reasons += [
+        (load_name(load, result.every_load, result.display), NOT_CALCULATED, why_missing(load.problem))
         for load in result.missing_loads
     ]
+    rows = [dict(zip(("load", "level", "reason"), reason, strict=True)) for reason in reasons]
     return worded_table(result.display, "validity", rows)
