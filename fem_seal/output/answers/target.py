@@ -93,8 +93,8 @@ def target_in_brief(result: SealSolution, display: Display) -> str:
 
 
 def _target_forces(load: CaseLoad) -> dict[str, float]:
-    """Force for the target in the reading of the case and in the scenarios beside, where one is found [N]."""
-    forces = {name: reading.force_for_target for name, reading in {"": load, **load.others}.items()}
+    """Force for the target in the scenario of the case and in those beside, where one is found [N]."""
+    forces = {name: scenario.force_for_target for name, scenario in {"": load, **load.others}.items()}
     known_forces = {name: force for name, force in forces.items() if force is not None}
     return {} if load.force_for_target is None else known_forces
 

@@ -129,7 +129,7 @@ def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
         case.display,
         "brief",
         "first_leak",
-        kind="tested" if load.after_test else "sealed" if sealed else "paper" if one_number else "",
+        kind="tested" if load.after_test else "sealed" if sealed else "published" if one_number else "",
         load=at,
         doubt=validity.level is Level.DOUBTFUL,
         rate=told_after_test(case.display, load, volume, rate) if load.after_test else rate,
