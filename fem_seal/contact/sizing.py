@@ -253,12 +253,14 @@ def element_sizes(
         max(min([-reach[0], *(start for start, _ in lands)]), lower),
         min(max([reach[1], *(end for _, end in lands)]), upper),
     )
-    spots = _edges(contact, zone, size, line_loads, widths, effective_modulus)
+    closed_lands = opening.further_lands(max(w.closed_gap for w in widths))
+    land_loads = [load / (1 + len(closed_lands)) for load in line_loads]
+    spots = _edges(contact, zone, size, land_loads, widths, effective_modulus)
     # A contact that ends beyond the core, or may have peaks at edges, wants small elements there as well.
     has_peaks = bool(spots) or bool(np.any((contact.breaks > zone[0]) & (contact.breaks < zone[1])))
     growths = [1 / (_EDGE * w.per_std) for w in widths if has_peaks or _EDGE * w.std > _CORE * std]
     growth = min([_GROWTH_ALONG, *growths])
-    spots += _on_further_lands(opening.further_lands(max(w.closed_gap for w in widths)), size, growth)
+    spots += _on_further_lands(closed_lands, size, growth)
     sizing = Sizing(
         contact_size=size,
         core=_CORE * std,
@@ -302,21 +304,21 @@ def _edges(
     contact: ContactGeometry,
     zone: tuple[float, float],
     size: float,
-    line_loads: Sequence[float],
+    land_loads: Sequence[float],
     widths: Sequence[ContactWidth],
     effective_modulus: float,
 ) -> tuple[tuple[float, float], ...]:
     """Rounded edges within the zone, with the element size [m] that follows the peak of the pressure there.
 
     A flat punch of half-width b with edges of radius rho presses them flat over d = (b/2) (3 f_N rho/(E* b^2))^(2/3),
-    for d small against b (theory_geometry.md); an interface law smears the peak over sqrt(rho u0).
+    for d small against b (theory_geometry.md); an interface law smears the peak over sqrt(rho u0). Of several lands
+    each is taken to carry an equal part of f_N: with the whole the elements would be too large.
     """
     spots = []
     for edge in contact.breaks[(contact.breaks > zone[0]) & (contact.breaks < zone[1])].tolist():
         length, radius = _arc_beside(contact, edge)
-        sizes = [size]
-        gap = float(contact.gap(np.array(edge)))
-        for f, width in zip(line_loads, widths, strict=True):
+        sizes, gap = [size], float(contact.gap(np.array(edge)))
+        for f, width in zip(land_loads, widths, strict=True):
             if not gap <= width.closed_gap:
                 continue
             b = max(min(abs(edge), math.sqrt(3) * width.std), size)
@@ -497,8 +499,7 @@ def better_sizing(
     better = sizing if zone == sizing.zone else replace(sizing, zone=zone)
     if not size_given:
         better = _resolve_profiles(better, profiles)
-        spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
-        if spots:
+        if spots := [spot for profile in profiles for spot in _steep_places(sizing, profile)]:
             better = replace(better, spots=(*better.spots, *_thin_spots(spots)))
     if better == sizing:
         return None
