@@ -351,17 +351,6 @@ class Display:
         other = _TABLES["fixed_in"].get(self.system, {}).get(name)
         return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
 
-    def fixed_quantity(self, name: str, value: float, digits: int = DIGITS) -> str:
-        """An SI value in a `fixed_unit` with some significant digits, no zeros at its end and never in powers of ten.
-
-        Examples
-        --------
-        >>> Display().fixed_quantity("MPa", 12.7346e9), Display("US").fixed_quantity("MPa", 6.894757e9)
-        ('12730 MPa', '1000 ksi')
-        """
-        unit = self.fixed_unit(name)
-        return f"{round_digits(unit.of(value), digits):.{_MOST_DIGITS}g} {unit.name}".rstrip()
-
     def flow_unit(self, leak_rates: Collection[float]) -> Unit | None:
         """The unit for leak rates that stand together, the largest in which all can be read.
 
@@ -425,6 +414,8 @@ class Display:
         ('1.2 mm', '30 %')
         >>> display.quantity(2e6, "given fluid pressure"), display.quantity((0.001, 0.0025), "length 2")
         ('20 bar', '1.0 mm to 2.5 mm')
+        >>> display.quantity(12.7346e9, "fixed MPa"), Display("US").quantity(6.894757e9, "fixed MPa")
+        ('12730 MPa', '1000 ksi')
         >>> display.quantity(0.12345, ".2f"), display.quantity(2.54e-5, ".3g um"), display.quantity(1234.5, ".3g")
         ('0.12', '25.4 um', '1230')
         >>> Display("US").quantity(2e6, ".4g bar")
@@ -445,7 +436,8 @@ class Display:
         if first in _PLAIN and not rest:
             return _PLAIN[first](value, *digits)
         if first == "fixed":
-            return self.fixed_quantity(" ".join(rest), value, *digits)
+            unit, number_digits = self.fixed_unit(" ".join(rest)), (digits or [DIGITS])[0]
+            return f"{round_digits(unit.of(value), number_digits):.{_MOST_DIGITS}g} {unit.name}".rstrip()
         if first == "short":
             return self.quantity(round_digits(value, DIGITS), " ".join(["given", *rest]))
         given, worth = first == "given", first == "worth"

@@ -44,7 +44,7 @@ class ListedNumber:
 
     def text(self, display: Display, value: float | None) -> str:
         """A value in the unit of the table, a dash for none."""
-        return "-" if value is None else display.fixed_quantity(self.unit, value).split()[0]
+        return "-" if value is None else display.quantity(value, f"fixed {self.unit}").split()[0]
 
     def with_unit(self, display: Display, *values: float) -> str:
         """Values and their unit, written once: "16, 16.5e-6/K"."""
@@ -231,7 +231,7 @@ def material_lines(display: Display, row: dict[str, Any]) -> Iterator[tuple[str,
         Of `material_row`.
     """
     yield from worded_rows(display, "material", row=row)
-    at = display.fixed_quantity("degC", row["temperature_K"])
+    at = display.quantity(row["temperature_K"], "fixed degC")
     for key, number in _OF_MATERIALS.items():
         missing = f"not known at {at}" if key in row["over_temperature"] else "not given"
         yield number.word, missing if row[key] is None else number.with_unit(display, row[key])

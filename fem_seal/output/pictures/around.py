@@ -67,8 +67,7 @@ def unrolled_picture(result: SealSolution) -> style.Picture | None:
     axes.plot(whole_turn, np.append(peaks, peaks[:1]) / length.size, color=INK, linewidth=1.0, label="peak")
     axes.set_ylim(-reach / length.size, reach / length.size)
     axes.legend(loc="upper right", handlelength=1.4)
-    style.label(axes, f"Contact pressure at {name}", "angle around the axis  [°]", f"x  [{length.name}]")
-    _turn(axes)
+    _label_turn(axes, f"Contact pressure at {name}", f"x  [{length.name}]")
     scale_of_colours([axes], bands, f"contact pressure  [{unit.name}]", lowest="0")
     parted = bool(np.isnan(peaks).any())
     return style.captioned(result.display, figure, "unrolled", "map", "parted" if parted else "", load=name)
@@ -159,10 +158,7 @@ def draw_line_load(axes: Axes, result: SealSolution) -> bool:
     if chosen_loads:
         axes.set_ylim(0.0)
         axes.legend(title=over.name, loc="best", handlelength=1.4)
-        style.label(
-            axes, "Line load around the axis", "angle around the axis  [°]", "line load over its mean"
-        )
-        _turn(axes)
+        _label_turn(axes, "Line load around the axis", "line load over its mean")
     return bool(chosen_loads)
 
 
@@ -225,10 +221,7 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
     else:
         axes.set_ylim(0.0, 1.12 * float(rates.max()) / unit.size)
     axes.legend(title=over.name, loc="best", handlelength=1.4)
-    style.label(
-        axes, "Leak around the axis", "angle around the axis  [°]", f"leak rate per degree  [{unit.name}]"
-    )
-    _turn(axes)
+    _label_turn(axes, "Leak around the axis", f"leak rate per degree  [{unit.name}]")
     return True
 
 
@@ -264,10 +257,11 @@ def _close_turn(
     return np.append(angle, turn), np.append(values, values[0])
 
 
-def _turn(axes: Axes) -> None:
+def _label_turn(axes: Axes, title: str, y: str) -> None:
     """A whole turn on the x axis, in degrees."""
     from matplotlib.ticker import FixedLocator
 
+    style.label(axes, title, "angle around the axis  [°]", y)
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(FixedLocator(range(0, 361, 45)))
 

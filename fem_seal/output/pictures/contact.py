@@ -78,8 +78,7 @@ def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture
         words += [] if result.of_profile else ["conforming"]
     else:
         words += ["hertz", "gaussian" if result.case.interface.law != "smooth" else ""]
-    alt = ("alt", "alt_closed" if closed else "")
-    return style.captioned(display, figure, "profiles", *words, alt=alt, group="profile")
+    return style.captioned(display, figure, "profiles", *words, closed=closed)
 
 
 def all_profiles(
@@ -556,9 +555,9 @@ def _draw_zone(
 
 def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
     """The colour scale next to the last of the axes, in `SCALE_ROOM`; `lowest` replaces its first number."""
-    figure = axes[0].get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28, format="%.3g")
+    bar = style.figure_of(axes[0]).colorbar(
+        bands, ax=axes, fraction=0.03, pad=0.015, aspect=28, format="%.3g"
+    )
     if lowest:
         ticks = bar.get_ticks().tolist()
         bar.set_ticks(ticks, labels=[lowest, *(f"{tick:.3g}" for tick in ticks[1:])])

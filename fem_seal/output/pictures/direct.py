@@ -154,11 +154,9 @@ def map_picture(display: Display, table: DirectTable, pressure: float) -> Pictur
         display,
         figure,
         "direct_map",
-        "map",
+        "all",
         simulation.asperities,
         spans,
-        alt=("alt_map",),
-        group="direct",
         pressure=at,
     )
 

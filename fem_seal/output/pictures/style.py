@@ -137,15 +137,7 @@ def svg(figure: Figure) -> bytes:
     return _recolour_for_dark(_render(figure).replace(b"'DejaVu Sans'", _FONTS.encode()))
 
 
-def captioned(
-    display: Display,
-    figure: Figure,
-    name: str,
-    *parts: str,
-    alt: Sequence[str] = ("alt",),
-    group: str = "",
-    **values: object,
-) -> Picture:
+def captioned(display: Display, figure: Figure, name: str, *parts: str, **values: object) -> Picture:
     """A finished figure with its caption from templates/answers/captions.j2.
 
     Parameters
@@ -155,17 +147,13 @@ def captioned(
     name : str
         Name of the picture.
     *parts : str
-        Keys of the sentences of the caption; empty ones are passed over.
-    alt : sequence of str
-        Keys of the sentences of the description.
-    group : str
-        Table of the sentences below "captions"; the name unless given.
+        Keys of the sentences of the caption; empty ones are passed over. That of the description is "alt".
     **values
         Values of the {names} in them.
     """
     description, caption = (
-        " ".join(say(display, "captions", f"{group or name}_{key}", **values) for key in keys if key)
-        for keys in (alt, parts)
+        " ".join(say(display, "captions", f"{name}_{key}", **values) for key in keys if key)
+        for keys in (("alt",), parts)
     )
     return Picture(name, svg(figure), description, caption)
 
@@ -273,8 +261,7 @@ def draw_marks(
     from matplotlib.lines import Line2D
     from matplotlib.transforms import ScaledTranslation
 
-    figure = axes.get_figure(root=True)
-    assert figure is not None
+    figure = figure_of(axes)
     across, up, marker, ha, va = _SIDES[side]
     end = 1.0 if side == "top" else 0.0
     places = [(end, share) if across else (share, end) for share in shares]
@@ -350,10 +337,15 @@ def label(
 
 def inches(axes: Axes) -> tuple[float, float]:
     """Width and height of the axes."""
+    width, height = figure_of(axes).get_size_inches() * axes.get_position().size
+    return float(width), float(height)
+
+
+def figure_of(axes: Axes) -> Figure:
+    """The figure in which axes stand."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    width, height = figure.get_size_inches() * axes.get_position().size
-    return float(width), float(height)
+    return figure
 
 
 def spans_decades(values: ArrayLike, decades: float = 1.2) -> bool:

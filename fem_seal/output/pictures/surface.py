@@ -8,7 +8,16 @@ import numpy as np
 
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.colours import BLUE, FILL, GREEN, GREY, ORANGE, PURPLE
-from fem_seal.output.pictures.style import Picture, captioned, draw_marks, inches, label, panels, positive
+from fem_seal.output.pictures.style import (
+    Picture,
+    captioned,
+    draw_marks,
+    figure_of,
+    inches,
+    label,
+    panels,
+    positive,
+)
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact
@@ -285,10 +294,9 @@ def scan_picture(display: Display, surface: MeasuredSurface) -> Picture:
     return captioned(
         display,
         figure,
-        "surface",
+        "scan",
         "several" if count > 1 else "one",
         "spectrum",
-        group="scan",
         count=count,
         form=surface.settings.detrend,
     )
@@ -313,9 +321,7 @@ def _map(display: Display, axes: Axes, scan: HeightMap) -> None:
     image = axes.imshow(
         h.T / up.size, extent=(0, width, 0, height), origin="lower", cmap="viridis", vmin=-reach, vmax=reach
     )
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    figure.colorbar(image, ax=axes, shrink=0.75, label=f"height  [{up.name}]")
+    figure_of(axes).colorbar(image, ax=axes, shrink=0.75, label=f"height  [{up.name}]")
     label(axes, scan.name or "map", f"x  [{across.name}]", f"y  [{across.name}]")
 
 
