@@ -229,15 +229,7 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     """
     display = result.display
     chosen, (low, high) = _few_loads(result.loads, display), _range_in_view(result.loads)
-    # between lands the gap is that of a chamber
-    inside = [
-        profile.gap[
-            (profile.x >= low) & (profile.x <= high) if len(load.profiles) == 1 else profile.pressure > 0
-        ]
-        for load, _, _ in chosen
-        for profile in load.profiles
-    ]
-    widest = max(float(part.max(initial=0.0)) for part in inside)
+    widest = max(_widest_gap(load, low, high, 0.0) for load, _, _ in chosen)
     gap, length = display.unit_for("length", widest), display.unit_for("length", max(-low, high))
     for load, name, colour in chosen:
         _plot_profiles(axes, load, "gap", length, gap, name, color=colour)
@@ -275,17 +267,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     low, high = max(low, float(whole.x[0])), min(high, float(whole.x[-1]))
     length = display.unit_for("length", max(-low, high))
     pressure = display.unit_for("contact pressure", load.peak_pressure)
-    # between lands the gap is that of a chamber
-    several, headroom = len(load.profiles) > 1, _HEADROOM[len(load.profiles) > 1]
-    seen = [
-        profile.gap[
-            profile.pressure > _PRESSED * load.peak_pressure
-            if several
-            else (profile.x >= low) & (profile.x <= high)
-        ]
-        for profile in load.profiles
-    ]
-    top = headroom * max(float(part.max(initial=0.0)) for part in seen) or 1e-6
+    top = _HEADROOM[len(load.profiles) > 1] * _widest_gap(load, low, high, _PRESSED) or 1e-6
     gap, flows = display.unit_for("length", top), load.leak is not None and 0 < load.leak.leak_rate < np.inf
     share = np.zeros(whole.x.size)
     if flows and load.leak is not None:
@@ -334,6 +316,17 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     enlarged = say(display, "captions", f"contact_{how_much}", times=times, less=1.0 / times)
     values = {"load": name, "enlarged": enlarged, **result.case.labels}
     return style.captioned(display, figure, "contact", "all", "flow" if flows else "", **values)
+
+
+def _widest_gap(load: CaseLoad, low: float, high: float, pressed: float) -> float:
+    """Widest gap in view [m]; of lands only where more than a share of the peak presses: between is a chamber."""
+    parts = [
+        p.gap[
+            p.pressure > pressed * load.peak_pressure if load.profiles[1:] else (p.x >= low) & (p.x <= high)
+        ]
+        for p in load.profiles
+    ]
+    return max(float(part.max(initial=0.0)) for part in parts)
 
 
 def _range_in_view(loads: Sequence[CaseLoad]) -> tuple[float, float]:
