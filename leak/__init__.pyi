@@ -57,6 +57,7 @@ from .flow.short_medium import ShortMedium as ShortMedium
 from .flow.short_medium import in_contact as in_contact
 from .flow.short_medium import short_medium as short_medium
 from .flow.short_medium import short_threshold as short_threshold
+from .flow.turned_contact import TurnedContact as TurnedContact
 from .fluids.contamination import Concentration as Concentration
 from .fluids.contamination import ParticleCounts as ParticleCounts
 from .fluids.library import FLUIDS as FLUIDS
@@ -113,6 +114,7 @@ from .surfaces.spectrum import PowerSpectrum as PowerSpectrum
 from .surfaces.stretched import StretchedRoughness as StretchedRoughness
 from .surfaces.stretched import stretched_roughness as stretched_roughness
 from .surfaces.stretched import stretched_spectrum as stretched_spectrum
+from .surfaces.turned import TurnedTexture as TurnedTexture
 from .theory.interface_law import ExponentialLaw as ExponentialLaw
 from .theory.interface_law import RoughSurfaceLaw as RoughSurfaceLaw
 from .theory.interface_law import TabulatedLaw as TabulatedLaw
