@@ -313,7 +313,7 @@ class CaseLoad(LoadResult):
             if face.largest is not None
         )
 
-    @property
+    @cached_property
     def unsealed_rates(self) -> tuple[float, float]:
         """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
         flow = None if self.rough is None else self.rough.flow

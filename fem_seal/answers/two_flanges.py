@@ -114,13 +114,13 @@ class GasketLoad(CaseLoad):
         """What leaks at most where the percolation threshold decides, in the mean of both faces [m^3/s]."""
         return mean_rate(face.leak_before_sealing for face in self.parts)
 
-    @property
+    @cached_property
     def unsealed_rates(self) -> tuple[float, float]:
         """What flows through open bore and rough gap, in the mean of both faces [m^3/s]."""
         bore, gap = map(mean_rate, zip(*(face.unsealed_rates for face in self.parts), strict=True))
         return bore, gap
 
-    @property
+    @cached_property
     def flow_error(self) -> FlowError | None:
         """That of the face that decides."""
         return self.parts[0 if self.upper_share() >= 0.5 else 1].flow_error

@@ -64,7 +64,11 @@ class LoadResult:
             Values of optional fields, or of cached properties in place of what they would work out.
         """
         fields = vars(self).keys()
-        if strange := [name for name in values if not (hasattr(type(self), name) or name in fields)]:
+        # a value in place of a plain property would never be read
+        kinds = {
+            name: getattr(type(self), name, property() if name not in fields else None) for name in values
+        }
+        if strange := [name for name, kind in kinds.items() if isinstance(kind, property)]:
             raise AttributeError(f"{type(self).__name__} has no optional {', '.join(strange)}")
         other = object.__new__(type(self))
         vars(other).update(vars(self), **values)

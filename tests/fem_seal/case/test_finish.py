@@ -353,6 +353,6 @@ def test_samples_at_both_ends_are_those_of_the_single_values_and_bracket_the_int
         at_end = Samples.of(seals["range"], Uncertainty())
         told = replace(one, uniform=others).leak_rates([0])
         uniform = np.column_stack([[place], others])
-        assert replace(at_end, uniform=uniform, calculated={}).leak_rates([0]) == pytest.approx(
+        assert replace(at_end, uniform=uniform, known_rates={}).leak_rates([0]) == pytest.approx(
             told, rel=2e-3
         )

@@ -363,7 +363,7 @@ def test_what_is_given_beside_a_fluid_stays() -> None:
         ("rate A", ("ISO 5208", "A")),
         ("DIN EN 12266-1 A", ("EN 12266-1", "A")),
         ("ISO 5208:2015 rate C", ("ISO 5208", "C")),
-        ("FCI 70.2", "names a standard and no class; FCI 70-2 has V"),
+        ("FCI 70.2", r"names a standard and no class\. FCI 70-2 has V"),
         ("FCI 71-2 V", "is no class for a liquid"),
     ],
 )

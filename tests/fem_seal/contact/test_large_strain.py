@@ -88,7 +88,7 @@ def test_a_load_beyond_the_old_limit_has_a_result_and_a_reason(tmp_path):
     assert row.validity == "doubtful" and row.peak_pressure_Pa > 0
     assert "too far for small-strain theory" in row.validity_reasons
     assert any("faces turned against each other by" in text for text in result.warnings)
-    said = strain_limit(derive(chosen))
+    said = str(strain_limit(derive(chosen)))
     assert said.startswith("from 0.001 bar on") and f"doubtful above {TURNED:g}" in said
     assert strain_limit(derive(edge(0.06))) == ""
 

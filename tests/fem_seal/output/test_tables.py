@@ -254,8 +254,6 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     code = "\n".join(path.read_text("utf-8") for room in rooms for path in (package / room).rglob("*.py"))
     called = set(re.findall(r'say(?:_all)?\(\s*[\w.]+(?:\(\))?,\s*"(\w+)",\s*f?"([^"]+)"', code))
     captions = set(re.findall(r'captioned\(\s*[\w.]+,\s*figure,\s*"([^"]+)"', code))
-    # whose captions stand under another name
-    captions = captions - {"profiles", "direct_map"} | set(re.findall(r'group="([^"]+)"', code))
     called |= {("captions", f"{name}_{{part}}") for name in captions}
     # chosen by the interface law of the case and by the order of its loads
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered"}
