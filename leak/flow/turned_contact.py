@@ -57,7 +57,7 @@ class TurnedContact:
 
     All load is carried by the crests; between them the gap is open and resists nothing. With g(y) the least gap at a
     place along a crest, a throat between sides of slope m conducts m g^2/(12 eta) of a length of crest, since the
-    integral of dx/(g + m |x|)^3 is 1/(m g^2); crests a feed f apart in series conduct f m <g^2>/(12 eta).
+    integral of dx/(g + m abs(x))^3 is 1/(m g^2); crests a feed f apart in series conduct f m <g^2>/(12 eta).
 
     Parameters
     ----------
