@@ -304,8 +304,7 @@ def _evaluate_on_own_meshes(
 
     def begin_fit(number: int) -> MeshFit:
         problem = problems[number]
-        size_given = problem.contact_size is not None
-        return MeshFit.begin(size_mesh(problem), problem.contact, size_given=size_given)
+        return MeshFit.begin(size_mesh(problem), problem.contact, size_given=problem.contact_size is not None)
 
     evaluations: dict[int, Evaluation] = {}
 
@@ -336,7 +335,8 @@ def _evaluate_on_own_meshes(
             if next_fit.sizing is not None:
                 postponed_fits[number] = solve
                 return next_fit
-        postponed_fits.pop(number, None)
+        # not put there by what it calls: a function that knows itself is a cycle, and keeps the bodies
+        postponed_fits[number] = solve
         return solve(leave=partial(_needs_fit, fit))
 
     def solve_on_mesh(
@@ -358,13 +358,14 @@ def _evaluate_on_own_meshes(
             clock.progress(
                 _ANEW.format(why="a load does not converge on this mesh", how="half the element size")
             )
+            postponed_fits.pop(number, None)
             return fit.with_outcome(errors[0])
         next_fit = fit.with_outcome(loads.all_contacts) if loads.all_contacts else fit
         if solver.yields and next_fit.sizing is not None and loads.contacts:
             clock.progress(_ANEW.format(why="the contact found does not fit this mesh", how="other sizes"))
         if loads.was_left:
-            postponed_fits[number] = partial(solve_on_mesh, number, fit, bodies, contacts)
             return next_fit
+        postponed_fits.pop(number, None)
         if not loads.contacts:
             raise _no_load_error(solver.problem, loads)
         evaluations[number] = Evaluation(
