@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fem_seal import units
 from fem_seal.answers import leakage_class
 from fem_seal.answers.judgement import RANK, Limit, SealVerdict, Utilisation, Verdict, VerdictReason, worst_of
 from fem_seal.case.fields import Bubbles, NormalVolume
+from fem_seal.errors import write
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.answer_output import AnswerOutput, AnswerPage, Tile, decisive, worded_section
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
@@ -606,9 +606,15 @@ OUTPUT = AnswerOutput(
     summary=lambda result: {
         "requirement": verdict_numbers(result),
         "verdict_force": [
-            {"fluid_pressure_Pa": load.fluid_pressure, **asdict(load.verdict_force)}
+            {
+                "fluid_pressure_Pa": load.fluid_pressure,
+                "force": force.force,
+                "why_none": write(force.why_none, result.display),
+                "looked_for": force.looked_for,
+                "begins": write(force.begins, result.display),
+            }
             for load in result.loads
-            if load.verdict_force is not None
+            if (force := load.verdict_force) is not None
         ]
         or None,
     },

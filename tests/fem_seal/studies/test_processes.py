@@ -13,6 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from multiprocessing import parent_process
+from multiprocessing.forkserver import _forkserver
 from pathlib import Path
 from threading import Event, Thread
 
@@ -63,7 +64,7 @@ COMMAND = """
 import sys
 from fem_seal.__main__ import main
 from fem_seal.studies import machine
-machine._LOADED.append("slow")
+machine._PRELOAD.append("slow")
 sys.exit(main())
 """
 # Longest wait for anything; on an idle machine it is seconds.
@@ -267,6 +268,8 @@ def test_a_worker_whose_design_never_ends_is_replaced(tmp_path, monkeypatch, cap
 
 def test_workers_of_this_machine_need_no_dask_and_listen_nowhere():
     psutil = pytest.importorskip("psutil")
+    # the process that workers are copies of may have been started for something else
+    _forkserver._stop()
     with closing(LocalWorkers(2)) as workers:
         loaded = [workers.call(name, loaded_modules).result() for name in workers.names()]
         own = psutil.Process()
