@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,13 +12,16 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
-from leak.flow.conductivity import ConductivityTable
-from leak.flow.rough_contact import RoughContact
+from leak.flow.conductivity import ConductivityTable, GasConductivityTable
+from leak.flow.rarefied import log_flow_factor
+from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import TurnedTexture
 from leak.theory.crest_line import CrestLines, PressedCrests
 from leak.theory.interface_law import TabulatedLaw
+from leak.theory.own_error import FlowError
+from leak.theory.plasticity import Reading
 
 # Places along a piece of crest, pieces, and points in the shortest wave of the fine roughness.
 _PLACES, _PIECES, _POINTS_PER_WAVE = 1024, 8, 4
@@ -36,10 +39,21 @@ _GROWTH = 1.5
 _SMOOTH = 20
 # A face whose conductivity has fallen to this share of the first one is sealed.
 _SEALED = 1e-9
+_TINY = 1e-300
 # Mean gap over the height of the crests at which they are pressed flat.
 _CLOSED = 0.02
 # Rms height of the fine roughness over the height of the crests at which these begin to be lost in it, and are lost.
 _LOST = (0.13, 0.39)
+# Of the range of its table where the face is its fine roughness, the lowest pressure over the sealing pressure.
+_LOWEST = 1e-8
+# Standard deviation of ln(direct/theory) over the decades by which the conductivity has fallen since the first touch,
+# and of a median wave of crest: `benchmarks/turned_error.py`.
+_FALLEN, _SPREAD = (0.0, 1.5, 3.0, 3.5, 4.5), (0.2, 0.2, 0.4, 2.0, 2.0)
+_OPEN_PLACES, _FEWER_PLACES = 0.51, 0.27
+# Inverse Knudsen numbers of u_eff in the table of a gas, and of the gaps of throats.
+_LOG_D = -2.6 + 4.5 * np.sinh(np.linspace(-1.436, 1.693, 44))
+_BINS = 200
+_LOG_THROAT = np.linspace(math.log(1e-9), math.log(1e8), 1600)
 
 
 class _State(NamedTuple):
@@ -49,6 +63,7 @@ class _State(NamedTuple):
     mean_gap: float
     gap_cubed: float
     level: float
+    least_gap: FloatArray
 
 
 @dataclass(frozen=True)
@@ -104,6 +119,45 @@ class TurnedContact:
         return TurnedTexture(self.feed, self.nose_radius, self.fine)
 
     @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of the fine roughness."""
+        return self.fine
+
+    @property
+    def readings(self) -> tuple[Reading, ...]:
+        """What becomes of metal that yields: crests are crushed where they touch; "elastic" without a hardness."""
+        return (Reading.ELASTIC,) if self.hardness is None else (Reading.VON_MISES,)
+
+    def reading(self, reading: Reading) -> TurnedContact:
+        """The same face with metal that yields read in another way; itself where its theory does not know that.
+
+        Parameters
+        ----------
+        reading : Reading
+        """
+        return self.elastic if reading is Reading.ELASTIC else self
+
+    @cached_property
+    def elastic(self) -> TurnedContact:
+        """The same face whose crests never yield; itself without a hardness."""
+        return self if self.hardness is None else replace(self, hardness=None)
+
+    @property
+    def knows_deviation(self) -> bool:
+        """It says how far direct simulation may find the flow, see `flow_error`."""
+        return True
+
+    @property
+    def exponential_at_low_pressure(self) -> bool:
+        """Its pressure does not fall exponentially with the gap."""
+        return False
+
+    @property
+    def latest_sealing_pressure(self) -> float:
+        """The largest `sealing_pressure` of all its readings [Pa]."""
+        return self.sealing_pressure
+
+    @property
     def contact_pressure(self) -> float:
         """Mean pressure where a crest touches: of elastic sides E* m'/2, limited by the hardness [Pa].
 
@@ -131,31 +185,9 @@ class TurnedContact:
         pieces = np.stack([heights[:, (middle + across) % _PLACES] - cusp for middle in middles])
         return CrestLines(pieces, spacing, self.feed, self.effective_modulus, self.contact_pressure)
 
-    @cached_property
+    @property
     def _path(self) -> tuple[_State, ...]:
-        """First loading, level by level, until the crests are flat or no more is known of them."""
-        lines = self.lines
-        level, step = (
-            float(lines.tops.mean()) + _FIRST * float(lines.tops.std()),
-            _STEP * float(lines.tops.std()),
-        )
-        states: list[_State] = []
-        width: FloatArray | None = None
-        for _ in range(_MOST_LEVELS):
-            try:
-                pressed = lines.press(level, width)
-            except SurfaceError:
-                break
-            width, state = pressed.width, self._state(pressed)
-            if state.mean_gap < _CLOSED * self.texture.crest_height:
-                break
-            if state.pressure > 0.0:
-                states.append(state)
-                if state.gap_cubed <= _SEALED * states[0].gap_cubed:
-                    # the gap alone goes on, and is smooth
-                    step *= _GROWTH
-            level -= step
-        return tuple(states)
+        return _load(self)
 
     def _state(self, pressed: PressedCrests) -> _State:
         m, r_t = self.texture.side_slope, self.texture.crest_height
@@ -164,6 +196,7 @@ class TurnedContact:
             pressed.level + 2.0 / 3.0 * r_t + pressed.overlap,
             self.feed * m * float(np.mean(pressed.gap**2)),
             pressed.level,
+            pressed.gap,
         )
 
     def contact_area(self, pressure: ArrayLike) -> FloatArray | float:
@@ -177,15 +210,26 @@ class TurnedContact:
         area = np.minimum(_checked(pressure) / self.contact_pressure, 1.0)
         return float(area) if area.ndim == 0 else area
 
-    @cached_property
-    def _law(self) -> TabulatedLaw:
-        return self.interface_law()
-
-    def interface_law(self) -> TabulatedLaw:
-        """Nominal pressure over the mean gap, valleys included.
+    def interface_law(self, plastic: bool = False) -> TabulatedLaw:
+        """Nominal pressure over the mean gap, valleys included: of crests that never yield, or of those that do.
 
         Beyond what is known of the crests they close as smooth cusps do that are as wide as the load asks for.
+
+        Parameters
+        ----------
+        plastic : bool
+
+        Raises
+        ------
+        SurfaceError
+            `plastic` without a hardness.
         """
+        if plastic and self.hardness is None:
+            raise SurfaceError("hardness = None: the plastic interface law needs a hardness [Pa]")
+        return (self if plastic else self.elastic)._law
+
+    @cached_property
+    def _law(self) -> TabulatedLaw:
         states, texture = self._path, self.texture
         share = np.linspace(states[-1].pressure / self.contact_pressure, 0.98, _SMOOTH + 1)
         half = 0.5 * self.feed * share
@@ -201,52 +245,203 @@ class TurnedContact:
             np.concatenate([self.contact_pressure * share[:0:-1], pressure]),
         )
 
-    def mean_separation(self, pressure: ArrayLike) -> FloatArray | float:
+    def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
+        """Pressure of first loading that lets at least as much through as a place that once carried more.
+
+        Crests that an earlier load has flattened stand lower against the flat than at first loading. How much lower is
+        not calculated; first loading at the pressure itself is the safe side. A face pressed flat once stays so.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        largest : array_like
+            Largest one that the place has carried [Pa].
+        """
+        p, top = np.broadcast_arrays(_checked(pressure), _checked(largest))
+        is_flat = (p > 0.0) & (top > p) & (top >= (math.inf if self.hardness is None else self.hardness))
+        return np.where(is_flat, top, p)
+
+    def mean_separation(self, pressure: ArrayLike, *, largest: ArrayLike | None = None) -> FloatArray | float:
         """Mean gap over the nominal area, valleys included [m]; infinite without pressure.
 
         Parameters
         ----------
         pressure : array_like
             Nominal [Pa].
+        largest : array_like, optional
+            See `equivalent_first_loading_pressure` [Pa].
         """
-        with np.errstate(divide="ignore"):
-            gap = np.where(
-                _checked(pressure) > 0.0,
-                self._law.gap(np.log(np.maximum(_checked(pressure), 1e-300))),
-                np.inf,
-            )
+        p = self._first_loading(pressure, largest)
+        gap = np.where(p > 0.0, self._law.gap(np.log(np.maximum(p, _TINY))), np.inf)
         return float(gap) if gap.ndim == 0 else gap
 
-    def conductivity_table(self, p_min: float, p_max: float) -> ConductivityTable:
-        """Table of u_eff = (12 eta sigma)^(1/3) across the crests, without the thread.
+    def critical_separation(
+        self, pressure: ArrayLike, *, largest: ArrayLike | None = None
+    ) -> FloatArray | float:
+        """Gap that the largest particle passes which crosses the crests [m]; zero where none is left.
+
+        At the highest of its openings each crest lets the largest through; the crest with the smallest such opening
+        stops it. Crests are known over some hundred waves of the fine roughness; a whole seal is longer and has a few
+        higher openings. Where the crests are lost in the roughness it crosses over as `flow_conductivity` does.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal [Pa].
+        largest : array_like, optional
+            See `equivalent_first_loading_pressure` [Pa].
+        """
+        p, share = self._first_loading(pressure, largest), self._lost_share
+        gap = np.ones(p.shape)
+        if share < 1.0:
+            states = self._path
+            opening = np.array([state.least_gap.max(axis=1).min() for state in states])
+            log_p = np.log([state.pressure for state in states])
+            gap = np.interp(np.log(np.maximum(p, _TINY)), log_p, opening)
+            wider = np.asarray(self.mean_separation(p)) - states[0].mean_gap
+            gap = (gap + np.where(p < states[0].pressure, wider, 0.0)) ** (1.0 - share)
+        if share > 0.0:
+            gap = gap * np.asarray(self._rough.critical_separation(p)) ** share
+        return float(gap) if gap.ndim == 0 else gap
+
+    def _first_loading(self, pressure: ArrayLike, largest: ArrayLike | None) -> FloatArray:
+        return (
+            _checked(pressure)
+            if largest is None
+            else self.equivalent_first_loading_pressure(pressure, largest)
+        )
+
+    @property
+    def _lost_share(self) -> float:
+        """How far the crests are lost in the fine roughness, 0 to 1."""
+        start, end = np.log(_LOST)
+        share = (math.log(self.fine.rms_height / self.texture.crest_height) - start) / (end - start)
+        return float(min(max(share, 0.0), 1.0))
+
+    @cached_property
+    def _rough(self) -> RoughContact:
+        """The fine roughness alone."""
+        return RoughContact(
+            self.fine, effective_modulus=self.effective_modulus, hardness=self.hardness, theory="corrected"
+        )
+
+    def conductivity_table(
+        self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
+    ) -> ConductivityTable:
+        """Table of u_eff = (12 eta sigma)^(1/3) across the crests, without the thread; made once for all ranges.
 
         Parameters
         ----------
         p_min, p_max : float
-            Range of nominal pressures [Pa].
+            Range of nominal pressures [Pa]; the table reaches from the first touch to the sealing pressure anyway.
+        num : int, optional
+            As `RoughContact.conductivity_table` has it; the pressures are those of the levels of the flat.
+        method : {"bruggeman"}
+            Of the fine roughness where crests are lost in it. Throats know no other.
         """
+        self._check_table(p_min, p_max, method)
+        return self._table
+
+    def gas_conductivity_table(
+        self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
+    ) -> GasConductivityTable:
+        """Table for all gases, as `leak.gas_conductivity_table` makes it of a `RoughContact`; made once.
+
+        A throat of least gap g conducts m g^2/(12 eta Y(p_f g/(eta v0))) of a gas, with
+        Y(D) = 2 D^2 times the integral of dt/(t^3 f(t)) from D on, f the `leak.flow.rarefied.flow_factor`.
+
+        Parameters
+        ----------
+        p_min, p_max, num, method
+            See `conductivity_table`.
+        """
+        self._check_table(p_min, p_max, method)
+        return self._gas_table
+
+    def _check_table(self, p_min: float, p_max: float, method: str) -> None:
         low, high = (
             positive(ConductivityError, "p_min", p_min, "Pa"),
             positive(ConductivityError, "p_max", p_max, "Pa"),
         )
         if not low < high:
             raise ConductivityError(f"p_min = {p_min} and p_max = {p_max}: p_min must be below p_max [Pa]")
-        flowing = [state for state in self._path if state.gap_cubed > _SEALED * self._path[0].gap_cubed]
-        pressure, gap_cubed = (
-            np.array([getattr(state, name) for state in flowing]) for name in ("pressure", "gap_cubed")
-        )
-        sealing = self.sealing_pressure
-        return ConductivityTable(pressure, np.cbrt(gap_cubed), sealing, max(high, sealing))
+        if method != "bruggeman":
+            raise ConductivityError(f"method = {method!r}: a turned face knows 'bruggeman' only")
+
+    @cached_property
+    def _table(self) -> ConductivityTable:
+        share, sealing = self._lost_share, self.sealing_pressure
+        if share == 1.0:
+            return self._rough.conductivity_table(_LOWEST * sealing, sealing)
+        flowing = self._flowing
+        pressure = np.array([state.pressure for state in flowing])
+        u = np.cbrt([state.gap_cubed for state in flowing])
+        if share > 0.0:
+            rough = self._rough.conductivity_table(_LOWEST * sealing, self._rough.sealing_pressure)
+            u = u ** (1.0 - share) * np.asarray(rough.effective_separation(pressure)) ** share
+        return ConductivityTable(pressure, u, sealing, sealing).of_surface(self)
+
+    @cached_property
+    def _gas_table(self) -> GasConductivityTable:
+        share, sealing, liquid = self._lost_share, self.sealing_pressure, self._table
+        if share == 1.0:
+            return gas_conductivity_table(self._rough, _LOWEST * sealing, sealing)
+        log_u = np.log(liquid.separation)
+        flows = np.stack([_log_gas_flow(*pair) for pair in zip(self._flowing, log_u, strict=True)])
+        if share > 0.0:
+            top = self._rough.sealing_pressure
+            rough, log_p = (
+                gas_conductivity_table(self._rough, _LOWEST * sealing, top),
+                np.log(liquid.pressure)[:, None],
+            )
+            # the same gas has another inverse Knudsen number in another effective gap
+            wider = np.log(rough.at_log_pressure(log_p) / liquid.separation[:, None])
+            of_rough = rough.log_flow_at(log_p)(_LOG_D + wider)
+            flows = (1.0 - share) * flows + share * of_rough
+        return GasConductivityTable(liquid, flows - log_flow_factor(_LOG_D), _LOG_D)
 
     @property
+    def _flowing(self) -> list[_State]:
+        """States from which something flows, below the sealing pressure."""
+        states, sealing = self._path, self.sealing_pressure
+        return [
+            state
+            for state in states
+            if state.gap_cubed > _SEALED * states[0].gap_cubed and state.pressure < sealing
+        ]
+
+    @cached_property
     def sealing_pressure(self) -> float:
         """From here on nothing flows across the crests; of crests whose last places are not known, beyond them [Pa]."""
+        share = self._lost_share
+        if share == 1.0:
+            return self._rough.sealing_pressure
         states = self._path
         sealed = (state.pressure for state in states if state.gap_cubed <= _SEALED * states[0].gap_cubed)
-        return next(sealed, 1.1 * states[-1].pressure)
+        crests = next(sealed, 1.1 * states[-1].pressure)
+        return min(crests, self._rough.sealing_pressure) if share > 0.0 else crests
 
-    def flow_conductivity(self, pressure: ArrayLike, viscosity: float) -> FloatArray | float:
-        """Across the crests, without the thread [m^3/(Pa s)].
+    def effective_separation(
+        self, pressure: ArrayLike, method: str = "bruggeman", *, largest: ArrayLike | None = None
+    ) -> FloatArray | float:
+        """u_eff = (12 eta sigma)^(1/3) across the crests [m], see `conductivity_table`.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal [Pa].
+        method : {"bruggeman"}
+        largest : array_like, optional
+            See `equivalent_first_loading_pressure` [Pa].
+        """
+        self._check_table(1.0, 2.0, method)
+        return self._table.effective_separation(self._first_loading(pressure, largest))
+
+    def flow_conductivity(
+        self, pressure: ArrayLike, viscosity: float, method: str = "bruggeman"
+    ) -> FloatArray | float:
+        """Across the crests, without the thread [m^3/(Pa s)], by `conductivity_table`.
 
         Where the fine roughness is as high as the crests the face is that roughness, by the corrected theory of
         `RoughContact`; between both the logarithm of the conductivity crosses over that of their ratio.
@@ -257,24 +452,49 @@ class TurnedContact:
             Nominal, positive [Pa].
         viscosity : float
             [Pa s]
+        method : {"bruggeman"}
         """
-        p, eta = _checked(pressure), positive(ConductivityError, "viscosity", viscosity, "Pa s")
-        start, end = np.log(_LOST)
-        share = (math.log(self.fine.rms_height / self.texture.crest_height) - start) / (end - start)
-        share = min(max(share, 0.0), 1.0)
-        sigma = np.ones(p.shape)
-        if share < 1.0:
-            table = self.conductivity_table(self._path[0].pressure, self.sealing_pressure)
-            sigma = sigma * np.asarray(table.conductivity(p, eta)) ** (1.0 - share)
-        if share > 0.0:
-            fine = RoughContact(
-                self.fine,
-                effective_modulus=self.effective_modulus,
-                hardness=self.hardness,
-                theory="corrected",
-            )
-            sigma = sigma * np.asarray(fine.flow_conductivity(p, eta)) ** share
-        return float(sigma) if sigma.ndim == 0 else sigma
+        self._check_table(1.0, 2.0, method)
+        return self._table.conductivity(_checked(pressure), viscosity)
+
+    def flow_error(self, pressure: ArrayLike, *, waves: float = math.inf) -> FlowError:
+        """How far the flow conductivity may be from direct simulation; wide where the face is nearly sealed.
+
+        Free of bias: what cells of two short crests in series let through less than a long seal is not taken off, it
+        widens the distribution.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal, positive [Pa].
+        waves : float
+            Median wave lengths of the fine roughness squared that the sealing area holds; without end, the error of
+            the theory alone [-].
+
+        References
+        ----------
+        benchmarks/turned_error.py finds the numbers, from direct simulations of twelve faces.
+        """
+        if not waves > 0.0:
+            raise ConductivityError(f"waves = {waves}: must be positive [-]")
+        share = self._lost_share
+        of_rough = self._rough.flow_error(pressure, waves=waves) if share > 0.0 else None
+        if of_rough is not None and share == 1.0:
+            return of_rough
+        u = np.asarray(self._table.effective_separation(_checked(pressure)))
+        with np.errstate(divide="ignore"):
+            fallen = np.minimum(3.0 * np.log10(self._table.separation[0] / u), _FALLEN[-1])
+        fallen = np.maximum(fallen, 0.0)
+        theory = np.interp(fallen, _FALLEN, _SPREAD) ** 2
+        length = 2.0 * math.pi / self.fine.median_wavenumber
+        sample = (_OPEN_PLACES * 10.0 ** (_FEWER_PLACES * fallen)) ** 2 * self.feed / (waves * length)
+        parts = {"turned crests": theory, "few waves": sample}
+        bias = np.zeros(fallen.shape)
+        if of_rough is not None:
+            bias = share * of_rough.bias
+            parts = {name: (1.0 - share) * part for name, part in parts.items()}
+            parts["fine roughness"] = share * of_rough.spread**2
+        return FlowError(bias, np.sqrt(sum(parts.values())), parts)
 
     def spiral_conductivity(self, pressure: ArrayLike, viscosity: float, radius: float) -> FloatArray | float:
         """Of the thread from the outside to the inside, to be added to that across the crests [m^3/(Pa s)].
@@ -299,6 +519,65 @@ class TurnedContact:
         along = np.mean(np.maximum(level[..., None] + depth, 0.0) ** 3, axis=-1)
         sigma = along * (self.feed / (2.0 * math.pi * r_0)) ** 2 / (12.0 * eta)
         return float(sigma) if sigma.ndim == 0 else sigma
+
+
+@lru_cache(maxsize=256)
+def _load(face: TurnedContact) -> tuple[_State, ...]:
+    """First loading, level by level, until the crests are flat or no more is known of them."""
+    lines = face.lines
+    level, step = (
+        float(lines.tops.mean()) + _FIRST * float(lines.tops.std()),
+        _STEP * float(lines.tops.std()),
+    )
+    states: list[_State] = []
+    width: FloatArray | None = None
+    for _ in range(_MOST_LEVELS):
+        try:
+            pressed = lines.press(level, width)
+        except SurfaceError:
+            break
+        width, state = pressed.width, face._state(pressed)
+        if state.mean_gap < _CLOSED * face.texture.crest_height:
+            break
+        if state.pressure > 0.0:
+            states.append(state)
+            if state.gap_cubed <= _SEALED * states[0].gap_cubed:
+                # the gap alone goes on, and is smooth
+                step *= _GROWTH
+        level -= step
+    return tuple(states)
+
+
+def _log_gas_flow(state: _State, log_u: float) -> FloatArray:
+    """ln of a gas's flow through all throats over that of a liquid, at `_LOG_D` of an effective gap."""
+    log_gap = np.log(state.least_gap[state.least_gap > 0.0])
+    # of the liquid's flow, m g^2, so much goes through gaps of about this size
+    flow, ends = np.histogram(log_gap, bins=_BINS, weights=np.exp(2.0 * log_gap))
+    middle = 0.5 * (ends[1:] + ends[:-1])
+    log_factor = _log_throat(_LOG_D[:, None] + middle - log_u)
+    return np.asarray(np.log(np.exp(log_factor) @ (flow / flow.sum())))
+
+
+def _log_throat(log_inverse_knudsen: FloatArray) -> FloatArray:
+    """ln of a gas's flow through a throat over that of a liquid, at ln D of its least gap."""
+    x, log_factor = _throats()
+    # free molecules below: the flow goes with 1/D
+    below = np.minimum(log_inverse_knudsen - x[0], 0.0)
+    return np.asarray(np.interp(log_inverse_knudsen, x, log_factor) - below)
+
+
+@lru_cache(maxsize=1)
+def _throats() -> tuple[FloatArray, FloatArray]:
+    """ln D and ln of the factor 1/(2 D^2 times the integral of dt/(t^3 f(t)) from D on).
+
+    Over s = ln t the integrand is exp(-2 s)/f: between two places its logarithm is straight.
+    """
+    x = _LOG_THROAT
+    y = -2.0 * x - log_flow_factor(x)
+    rate = -np.diff(y) / np.diff(x)
+    parts = np.exp(y[:-1]) * -np.expm1(-rate * np.diff(x)) / rate
+    rest = np.cumsum(np.append(parts, 0.5 * np.exp(y[-1]))[::-1])[::-1]
+    return x, -np.log(2.0 * rest) - 2.0 * x
 
 
 def _checked(pressure: ArrayLike) -> FloatArray:
