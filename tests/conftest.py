@@ -50,6 +50,14 @@ def made_once() -> Iterator[MadeOnce]:
         yield made
 
 
+@pytest.fixture(scope="session", autouse=True)
+def no_user_cache() -> Iterator[None]:
+    """Nothing is read from the cache folder of whoever runs the tests, and nothing written to it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FEM_SEAL_CACHE", "")
+        yield
+
+
 @pytest.fixture
 def made_anew(made_once: MadeOnce, monkeypatch: pytest.MonkeyPatch) -> None:
     """Everything is made each time, for tests of how it is made."""

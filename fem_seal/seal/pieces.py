@@ -1,16 +1,20 @@
-"""Tasks of a simulation: distributed over processes, each stored on disk when done."""
+"""Tasks of a simulation: distributed over processes, each stored on disk when done.
+
+They are stored twice: with the results of the case, and in the user's `PieceStore` for all cases.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
-from contextlib import closing, suppress
+from contextlib import closing
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from fem_seal.files import as_json, parse_json, read_text, write_text
 from fem_seal.processes import Processes
+from fem_seal.seal.piece_store import PieceStore
 from leak import LeakError
 
 
@@ -66,17 +70,23 @@ def work(
     LeakError
         Of the first piece that fails; what was finished is kept.
     """
-    results = {p: records for p in pieces if (records := _read_piece(simulation, p, folder)) is not None}
+    store = PieceStore.of_user()
+    results: dict[Piece, list[R]] = {}
+    for piece in pieces:
+        records = _read_folder(simulation, piece, folder)
+        if records is None and (records := _read_store(simulation, piece, store, progress)) is not None:
+            _write_folder(simulation, piece, folder, records)
+        if records is not None:
+            results[piece] = records
     todo = [piece for piece in pieces if piece not in results]
     if results and todo:
         progress(f"{len(results)} of {len(pieces)} pieces are there already")
     first_error: LeakError | None = None
     try:
-        with closing(_calculate_pieces(simulation, todo, jobs)) as attempts:
+        with closing(_calculate_pieces(simulation, todo, store, jobs)) as attempts:
             for piece, records, error in attempts:
                 # of a piece that failed there are fewer records
-                for path, record in zip(_files(simulation, piece, folder), records, strict=False):
-                    write_text(path, as_json([record._asdict()]))
+                _write_folder(simulation, piece, folder, records)
                 first_error = first_error or error
                 if error is None:
                     results[piece] = records
@@ -85,18 +95,21 @@ def work(
         if folder is not None:
             progress("interrupted; finished pieces are kept, and the same command goes on from there")
         raise
+    finally:
+        if store is not None and todo:
+            store.shrink()
     if first_error is not None:
         raise first_error
     return results
 
 
 def _calculate_pieces(
-    simulation: Simulation[Piece, R], pieces: Sequence[Piece], jobs: int
+    simulation: Simulation[Piece, R], pieces: Sequence[Piece], store: PieceStore | None, jobs: int
 ) -> Generator[tuple[Piece, list[R], LeakError | None], None, None]:
     """Pieces as they are done; once one has failed no other is begun."""
     if jobs < 2 or len(pieces) < 2:
         for piece in pieces:
-            records, error = _attempt(simulation, piece)
+            records, error = _attempt(simulation, piece, store)
             yield piece, records, error
             if error is not None:
                 return
@@ -104,17 +117,35 @@ def _calculate_pieces(
     # no more of them wait than processes can take; half of a piece is nothing, and ends with its process
     queue = iter(pieces)
     with Processes(jobs) as processes:
-        futures = {processes.submit(_attempt, simulation, piece): piece for piece in islice(queue, jobs)}
+        futures = {
+            processes.submit(_attempt, simulation, piece, store): piece for piece in islice(queue, jobs)
+        }
         while futures:
             for future in wait(futures, return_when=FIRST_COMPLETED).done:
                 piece, (records, error) = futures.pop(future), future.result()
                 queue = queue if error is None else iter(())
                 for next_piece in islice(queue, 1):
-                    futures[processes.submit(_attempt, simulation, next_piece)] = next_piece
+                    futures[processes.submit(_attempt, simulation, next_piece, store)] = next_piece
                 yield piece, records, error
 
 
-def _attempt(simulation: Simulation[Piece, R], piece: Piece) -> tuple[list[R], LeakError | None]:
+def _attempt(
+    simulation: Simulation[Piece, R], piece: Piece, store: PieceStore | None
+) -> tuple[list[R], LeakError | None]:
+    """Records of a piece; of another process's, if that has finished it meanwhile."""
+    if store is None:
+        return _calculate(simulation, piece)
+    keys = simulation.keys(piece)
+    with store.lock(keys[-1]):
+        if (known := _read_store(simulation, piece, store)) is not None:
+            return known, None
+        records, error = _calculate(simulation, piece)
+        for key, record in zip(keys, records, strict=False):
+            store.write(key, _text(record))
+    return records, error
+
+
+def _calculate(simulation: Simulation[Piece, R], piece: Piece) -> tuple[list[R], LeakError | None]:
     records: list[R] = []
     try:
         records.extend(simulation.records(piece))
@@ -123,15 +154,48 @@ def _attempt(simulation: Simulation[Piece, R], piece: Piece) -> tuple[list[R], L
     return records, None
 
 
+def _text(record: Record) -> str:
+    return as_json([record._asdict()])
+
+
 def _files(simulation: Simulation[Piece, R], piece: Piece, folder: Path | None) -> list[Path]:
     return [] if folder is None else [folder / "pieces" / f"{key}.json" for key in simulation.keys(piece)]
 
 
-def _read_piece(simulation: Simulation[Piece, R], piece: Piece, folder: Path | None) -> list[R] | None:
+def _write_folder(
+    simulation: Simulation[Piece, R], piece: Piece, folder: Path | None, records: Sequence[R]
+) -> None:
+    for path, record in zip(_files(simulation, piece, folder), records, strict=False):
+        write_text(path, _text(record))
+
+
+def _read_folder(simulation: Simulation[Piece, R], piece: Piece, folder: Path | None) -> list[R] | None:
     """None if it is not there, or is no whole piece."""
     paths = _files(simulation, piece, folder)
-    if not paths or not all(path.is_file() for path in paths):
+    try:
+        return [simulation.record(parse_json(read_text(path))[0]) for path in paths] or None
+    except _DAMAGES:
         return None
-    with suppress(ValueError, TypeError, KeyError):
-        return [simulation.record(parse_json(read_text(path))[0]) for path in paths]
-    return None
+
+
+def _read_store(
+    simulation: Simulation[Piece, R],
+    piece: Piece,
+    store: PieceStore | None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> list[R] | None:
+    """None if it is not there; a file that is damaged is named."""
+    if store is None or (texts := store.read(keys := simulation.keys(piece))) is None:
+        return None
+    records = []
+    for key, text in zip(keys, texts, strict=True):
+        try:
+            records.append(simulation.record(parse_json(text)[0]))
+        except _DAMAGES:
+            progress(f"{store.path(key)}: is damaged, and is calculated again")
+            return None
+    return records
+
+
+# What a file raises that is not there, or is not as it was written.
+_DAMAGES = (ValueError, TypeError, KeyError, IndexError, AttributeError)
