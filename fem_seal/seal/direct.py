@@ -25,15 +25,14 @@ from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import (
     ContactState,
-    ElastoplasticState,
     Flow,
     Patch,
     PeriodicHalfSpace,
     PressedPatch,
     Streams,
+    elastoplastic_path,
     patch_flow,
     press,
-    press_elastoplastic,
     smoothed,
     streams,
 )
@@ -685,22 +684,15 @@ def simulate_surface(
 def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
     assert simulation.settings.yield_stress is not None and simulation.load_step is not None
-    state: ElastoplasticState | None = None
-    last = 0.0
-    for number, p in enumerate(chain(piece.pressures, piece.unload)):
-        steps = math.ceil(abs(p - last) / simulation.load_step)
-        # one by one: states are large, and only the last one is needed
-        for step in np.linspace(last, p, steps + 1)[1:]:
-            (state,) = press_elastoplastic(
-                simulation.body,
-                heights,
-                [step],
-                yield_stress=simulation.settings.yield_stress,
-                poissons_ratio=simulation.settings.poissons_ratio,
-                start=state,
-            )
-        last = p
-        assert state is not None  # pressures are above zero
+    states = elastoplastic_path(
+        simulation.body,
+        heights,
+        chain(piece.pressures, piece.unload),
+        yield_stress=simulation.settings.yield_stress,
+        longest_step=simulation.load_step,
+        poissons_ratio=simulation.settings.poissons_ratio,
+    )
+    for number, state in enumerate(states):
         is_drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
         pressed_map = PressedMap(state.gap, state.pressure > 0.0, state.has_yielded)
         yield _record(simulation, state.contact)._replace(

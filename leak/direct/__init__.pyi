@@ -2,6 +2,7 @@ from .contact import ContactState as ContactState
 from .contact import PeriodicHalfSpace as PeriodicHalfSpace
 from .contact import press as press
 from .elastoplastic import ElastoplasticState as ElastoplasticState
+from .elastoplastic import elastoplastic_path as elastoplastic_path
 from .elastoplastic import press_elastoplastic as press_elastoplastic
 from .flow import Flow as Flow
 from .flow import Streams as Streams
@@ -23,3 +24,6 @@ from .simulation import size_study as size_study
 from .strip import Strip as Strip
 from .strip import StripState as StripState
 from .strip import rest_gap as rest_gap
+from .texture import TextureResult as TextureResult
+from .texture import simulate_texture as simulate_texture
+from .texture import texture_points as texture_points

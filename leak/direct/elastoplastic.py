@@ -10,6 +10,7 @@ radial return from that stress is a proximal step of length 1/(2 G); Nesterov's 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -219,6 +220,39 @@ def press_elastoplastic(
         at_points = strain.reshape(5, -1)[:, points], flat[points]
         states.append(ElastoplasticState(contact, lift, points, *at_points, solid))
     return states
+
+
+def elastoplastic_path(
+    body: PeriodicHalfSpace,
+    heights: FloatArray,
+    pressures: Iterable[float],
+    *,
+    yield_stress: float,
+    longest_step: float,
+    poissons_ratio: float = 0.3,
+) -> Iterator[ElastoplasticState]:
+    """The state at each pressure of a path, in load steps of equal length from one pressure to the next.
+
+    Parameters
+    ----------
+    body, heights, yield_stress, poissons_ratio
+        See `press_elastoplastic`.
+    pressures : iterable of float
+        Mean pressures in the order of the path [Pa].
+    longest_step : float
+        Of the load [Pa].
+    """
+    state: ElastoplasticState | None = None
+    last = 0.0
+    for pressure in pressures:
+        # step by step: states are large, and only the last one is needed
+        for step in np.linspace(last, pressure, math.ceil(abs(pressure - last) / longest_step) + 1)[1:]:
+            (state,) = press_elastoplastic(
+                body, heights, [step], yield_stress=yield_stress, poissons_ratio=poissons_ratio, start=state
+            )
+        last = pressure
+        assert state is not None  # pressures are above zero
+        yield state
 
 
 @dataclass(frozen=True)
