@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem_seal.errors import InputError
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.direct import DirectSettings
 from fem_seal.seal.pieces import work
@@ -73,8 +74,10 @@ class TextureSimulation:
         if self.settings.asperities == "von-mises":
             if stress is None and hardness is not None:
                 stress = hardness / HARDNESS_OVER_YIELD_STRESS
+            if stress is None:
+                raise InputError.at("direct.yield_stress", "is needed where the surface has no hardness")
             return {"yield_stress": stress, "poissons_ratio": self.settings.poissons_ratio}
-        return {"hardness": hardness if self.settings.asperities == "capped" else None}
+        return {"hardness": None if self.settings.asperities == "elastic" else hardness}
 
     def pieces(self) -> list[TexturePiece]:
         """All that is to be calculated, each on its own."""

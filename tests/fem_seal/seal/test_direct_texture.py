@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 import leak
+from fem_seal.errors import InputError
 from fem_seal.seal.direct import DirectSettings
 from fem_seal.seal.direct_texture import TextureSimulation, simulate_face
 
@@ -80,6 +81,12 @@ def test_metal_that_flows_is_one_path():
     assert piece.pressures == (1e7, 4e7)
     states = simulate_face(face(), settings)
     assert states.k_across[1] < states.k_across[0]
+
+
+def test_metal_that_flows_needs_a_stress():
+    soft = replace(face(), hardness=None)
+    with pytest.raises(InputError, match="yield_stress"):
+        simulate_face(soft, DirectSettings(samples=1, pressures=(1e7,), asperities="von-mises"))
 
 
 def test_usual_pressures_end_where_the_face_is_sealed():
