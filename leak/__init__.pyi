@@ -115,6 +115,8 @@ from .surfaces.stretched import StretchedRoughness as StretchedRoughness
 from .surfaces.stretched import stretched_roughness as stretched_roughness
 from .surfaces.stretched import stretched_spectrum as stretched_spectrum
 from .surfaces.turned import TurnedTexture as TurnedTexture
+from .surfaces.turned_scan import TurnedScan as TurnedScan
+from .surfaces.turned_scan import recognise_texture as recognise_texture
 from .theory.interface_law import ExponentialLaw as ExponentialLaw
 from .theory.interface_law import RoughSurfaceLaw as RoughSurfaceLaw
 from .theory.interface_law import TabulatedLaw as TabulatedLaw

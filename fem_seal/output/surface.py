@@ -9,7 +9,7 @@ from fem_seal.files import as_json, worded_rows, write_bytes, write_text
 from fem_seal.units import Display, attributes
 
 if TYPE_CHECKING:
-    from leak import MeasuredSurface, RoughnessParameters
+    from leak import MeasuredSurface, RoughnessParameters, TurnedScan
 
 
 def parameter_numbers(surface: MeasuredSurface) -> dict[str, Any]:
@@ -42,6 +42,28 @@ def roughness_of(surface: MeasuredSurface) -> RoughnessParameters:
     return roughness_parameters(surface.scans)
 
 
+def turned_scan(surface: MeasuredSurface) -> TurnedScan | None:
+    """The first scan that shows a turned face; None where none does.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    """
+    from leak import recognise_texture
+
+    return next((turned for scan in surface.scans if (turned := recognise_texture(scan))), None)
+
+
+def _turned_numbers(turned: TurnedScan) -> dict[str, Any]:
+    lengths = ("feed_m", "feed_error_m", "nose_radius_m", "crest_height_m", "crest_scatter_m")
+    return {
+        **attributes(turned, *lengths, "side_slope", "parabola_deviation", "periodic_share"),
+        "fine_rms_height_m": turned.fine.rms_height,
+        "fine_hurst": turned.rolloff.hurst,
+        "fine_rolloff_wavenumber_per_m": turned.rolloff.wavenumber,
+    }
+
+
 def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
     """Key figures of a measured surface in SI, as `surface --json` prints them.
 
@@ -49,6 +71,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
     ----------
     surface : MeasuredSurface
     """
+    turned = turned_scan(surface)
     return {
         "rms_height_m": surface.rms_height,
         "rms_slope": surface.measured.rms_slope,
@@ -61,6 +84,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
             surface.rms_height * factor for factor in surface.rolloff.height.interval
         ],
         "roughness_parameters": parameter_numbers(surface),
+        "turned": turned and _turned_numbers(turned),
         "q_low_per_m": surface.q_low,
         "q_high_per_m": surface.q_high,
         "range_limited_by": surface.limit,
@@ -90,17 +114,19 @@ def surface_lines(display: Display, surface: MeasuredSurface) -> list[tuple[str,
         "interval": tuple(surface.rms_height * factor for factor in surface.rolloff.height.interval),
         "roughness": roughness,
     }
+    turned = turned_scan(surface)
     lay = surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None
     return [
         *(row for scan in surface.scans for row in worded_rows(display, "scan", scan=scan)),
         *worded_rows(display, "surface", **values),
         *(("  note", text) for text in roughness.remarks),
         *worded_rows(display, "surface_spectrum", lay=lay, **values),
+        *(worded_rows(display, "surface_turned", turned=turned) if turned else ()),
     ]
 
 
 def write_surface(surface: MeasuredSurface, folder: Path) -> tuple[Path, ...]:
-    """Write spectrum.csv, surface.json and surface.svg into a folder.
+    """Write spectrum.csv, surface.json and surface.svg into a folder, and turned.svg of a turned face.
 
     spectrum.csv has the columns q [1/m] and C [m^4] and goes into a case as ``kind = "table"``.
 
@@ -115,16 +141,18 @@ def write_surface(surface: MeasuredSurface, folder: Path) -> tuple[Path, ...]:
         If a file cannot be written.
     """
     from fem_seal.output.pictures.style import style
-    from fem_seal.output.pictures.surface import scan_picture
+    from fem_seal.output.pictures.surface import scan_picture, turned_picture
 
     spectrum = surface.spectrum
     rows = [
         f"{q!r},{C!r}" for q, C in zip(spectrum.wavenumber.tolist(), spectrum.density.tolist(), strict=True)
     ]
     with style():
-        picture = scan_picture(Display(), surface)
+        pictures = {"surface": scan_picture(Display(), surface)}
+        if turned := turned_scan(surface):
+            pictures["turned"] = turned_picture(Display(), turned)
     return (
         write_text(folder / "spectrum.csv", "\n".join(["q [1/m],C [m^4]", *rows]) + "\n"),
         write_text(folder / "surface.json", as_json(surface_numbers(surface)) + "\n"),
-        write_bytes(folder / "surface.svg", picture.svg),
+        *(write_bytes(folder / f"{name}.svg", picture.svg) for name, picture in pictures.items()),
     )

@@ -120,6 +120,26 @@ def test_the_case_key_of_the_lay_is_printed_for_both_directions():
     assert numbers["peklenik_flow_across_lay"] == pytest.approx(1 / numbers["peklenik_flow_along_lay"])
 
 
+def test_turned_face_is_named_with_the_keys_of_its_texture(call, tmp_path):
+    fine = leak.PowerSpectrum.self_affine(rms_height=1e-7, hurst=0.8, q_low=3e4, q_rolloff=2.5e5, q_high=4e6)
+    x, h = leak.random_line_scan(fine, length=4e-3, points=4_000, seed=1)
+    h -= leak.TurnedTexture(feed=1e-4, nose_radius=8e-4, fine=fine).depth_at(np.abs(x % 1e-4 - 5e-5))
+    path = tmp_path / "turned.csv"
+    np.savetxt(
+        path, np.column_stack([x * 1e3, h * 1e6]), delimiter=",", header="x [mm],height [um]", comments=""
+    )
+    code, out, _ = call(path)
+    assert code == 0
+    assert re.search(
+        r"turned +feed (0\.100 mm|100\.\d µm), nose radius 0\.[78]\d* mm, crests 1\.5\d µm high", out
+    )
+    assert '[roughness] process = "turned", feed = "0.1 mm", nose_radius = "0.' in out
+    assert (tmp_path / "out" / "turned.svg").read_bytes().startswith(b"<?xml")
+    numbers = json.loads((tmp_path / "out" / "surface.json").read_text())["turned"]
+    assert numbers["feed_m"] == pytest.approx(1e-4, rel=5e-3)
+    assert json.loads(call(SCAN, "--json")[1])["turned"] is None
+
+
 def test_spikes_and_their_filter(call, tmp_path):
     x, h = np.loadtxt(SCAN, delimiter=",", skiprows=2).T
     h[[500, 1200, 1900, 2600, 3300]] += 10.0

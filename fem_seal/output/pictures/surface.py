@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.units import Display
-    from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
+    from leak import HeightMap, LineScan, MeasuredSurface, RoughContact, TurnedScan
 
 # Fractions below this share of the nominal area are not drawn.
 _SMALLEST_AREA = 1e-7
@@ -300,6 +300,25 @@ def scan_picture(display: Display, surface: MeasuredSurface) -> Picture:
         count=count,
         form=surface.settings.detrend,
     )
+
+
+def turned_picture(display: Display, turned: TurnedScan) -> Picture:
+    """The first eight feeds of a profile across a turned face, with the mean cusp.
+
+    Parameters
+    ----------
+    display : Display
+    turned : TurnedScan
+    """
+    figure, (axes,) = panels(1, height=3.5, width=5.6)
+    first = turned.position <= 8.0 * turned.feed
+    x, h, cusp = turned.position[first], turned.heights[first], turned.cusp[first]
+    across, up = display.unit_for("length", float(x[-1])), display.unit_for("length", float(np.ptp(h)))
+    axes.plot(x / across.size, h / up.size, color=BLUE, lw=0.7, label="measured")
+    axes.plot(x / across.size, cusp / up.size, color=ORANGE, lw=1.6, label="mean cusp")
+    names = f"across the lay  [{across.name}]", f"height  [{up.name}]"
+    label(axes, "Turned face", *names, legend="best")
+    return captioned(display, figure, "turned", "all", feed=turned.feed, share=turned.periodic_share)
 
 
 def _profile(display: Display, axes: Axes, scan: LineScan) -> None:
