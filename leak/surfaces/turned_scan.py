@@ -111,6 +111,15 @@ def recognise_texture(scan: Topography) -> TurnedScan | None:
     References
     ----------
     Phases of harmonics of Gaussian processes: Y. C. Kim, E. J. Powers, IEEE Trans. Plasma Sci. 7, 120 (1979).
+
+    Examples
+    --------
+    >>> import numpy as np, leak
+    >>> x = np.arange(4_000) * 1e-6
+    >>> rough = 1e-8 * np.random.default_rng(1).standard_normal(x.size)
+    >>> cusps = (x % 1e-4 - 5e-5) ** 2 / 1.6e-3
+    >>> print(f"{leak.recognise_texture(leak.line_scan(x, cusps + rough)).nose_radius * 1e3:.2f} mm")
+    0.80 mm
     """
     flat = scan.without_form("tilt")
     across, step = _places_across(flat)
