@@ -24,17 +24,13 @@ from leak.theory.own_error import FlowError
 from leak.theory.plasticity import Reading
 
 # Places along a piece of crest, pieces, and points in the shortest wave of the fine roughness.
-_PLACES, _PIECES, _POINTS_PER_WAVE = 1024, 8, 4
-_SEED = 1
-# A crest is known so many rms heights down its sides.
-_DEPTH = 12.0
-# ... and so many points at least.
-_LEAST_POINTS = 16
+_PLACES, _PIECES, _POINTS_PER_WAVE, _SEED = 1024, 8, 4, 1
+# A crest is known so many rms heights down its sides, and so many points at least.
+_DEPTH, _LEAST_POINTS = 12.0, 16
 # Rms heights of the tops between two levels of the flat, and where it begins above their mean.
-_STEP, _FIRST = 0.5, 3.0
-_MOST_LEVELS = 40
-# Growth of the steps once nothing flows.
-_GROWTH = 1.5
+_STEP, _FIRST = 0.8, 3.0
+# ... their most, and growth of the steps once nothing flows.
+_MOST_LEVELS, _GROWTH = 40, 1.5
 # Points of the law beyond the rough crests.
 _SMOOTH = 20
 # A face whose conductivity has fallen to this share of the first one is sealed.
@@ -52,7 +48,6 @@ _FALLEN, _SPREAD = (0.0, 1.5, 3.0, 3.5, 4.5), (0.2, 0.2, 0.4, 2.0, 2.0)
 _OPEN_PLACES, _FEWER_PLACES = 0.51, 0.27
 # Inverse Knudsen numbers of u_eff in the table of a gas, and of the gaps of throats.
 _LOG_D = -2.6 + 4.5 * np.sinh(np.linspace(-1.436, 1.693, 44))
-_BINS = 200
 _LOG_THROAT = np.linspace(math.log(1e-9), math.log(1e8), 1600)
 
 
@@ -552,7 +547,7 @@ def _log_gas_flow(state: _State, log_u: float) -> FloatArray:
     """ln of a gas's flow through all throats over that of a liquid, at `_LOG_D` of an effective gap."""
     log_gap = np.log(state.least_gap[state.least_gap > 0.0])
     # of the liquid's flow, m g^2, so much goes through gaps of about this size
-    flow, ends = np.histogram(log_gap, bins=_BINS, weights=np.exp(2.0 * log_gap))
+    flow, ends = np.histogram(log_gap, bins=_LOG_THROAT.size, weights=np.exp(2.0 * log_gap))
     middle = 0.5 * (ends[1:] + ends[:-1])
     log_factor = _log_throat(_LOG_D[:, None] + middle - log_u)
     return np.asarray(np.log(np.exp(log_factor) @ (flow / flow.sum())))

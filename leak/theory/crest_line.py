@@ -14,15 +14,15 @@ from functools import cached_property
 
 import numpy as np
 
-from leak.arrays import BoolArray, FloatArray
+from leak.arrays import BoolArray, FloatArray, IntArray
 from leak.errors import SurfaceError
 
-# Largest distance between face and flat where they touch, over the rms height of the tops.
-_TOLERANCE = 0.01
-# Most steps to the widths and of conjugate gradients, the square of what these leave, and the least part of a step.
-_MOST_STEPS, _MOST_GRADIENTS, _RESIDUAL, _LEAST_SHARE = 100, 60, 1e-4, 1e-3
-# Change of the band below which it is kept.
-_BAND_CHANGE = 0.02
+# Rms distance between face and flat where they touch, over the rms height of the tops, and change of the band, below
+# which both are kept.
+_TOLERANCE, _BAND_CHANGE = 0.02, 0.02
+# Most steps to the widths, those at which a contact is as wide as what is known, and of conjugate gradients; the square
+# of what these leave, and the least part of a step.
+_MOST_STEPS, _MOST_WIDE, _MOST_GRADIENTS, _RESIDUAL, _LEAST_SHARE = 100, 15, 60, 1e-2, 1e-3
 # Of the fall over a spacing, beside the rms height of the tops.
 _OF_FALL = 0.01
 # Of the fall of a face toward the edge of a contact.
@@ -104,27 +104,40 @@ class CrestLines:
         less = self.contact_pressure * self.spacing / (math.pi * self.effective_modulus)
         fall = -np.diff(heights, axis=2)
         fall = np.maximum(fall - less, _LEAST_FALL * fall)
-        return np.concatenate([heights[:, :, :1], heights[:, :, :1] - np.cumsum(fall, axis=2)], axis=2)
+        edges = [heights[:, :, :1], heights[:, :, :1] - np.cumsum(fall, axis=2)]
+        return np.ascontiguousarray(np.concatenate(edges, axis=2))
 
     @cached_property
     def _sections(self) -> FloatArray:
         """Integral of the edges' heights over the width [m^2]."""
         edges = self._edges
         pieces = 0.5 * self.spacing * (edges[:, :, 1:] + edges[:, :, :-1])
-        return np.concatenate([np.zeros((*edges.shape[:2], 1)), np.cumsum(pieces, axis=2)], axis=2)
+        sums = [np.zeros((*edges.shape[:2], 1)), np.cumsum(pieces, axis=2)]
+        return np.ascontiguousarray(np.concatenate(sums, axis=2))
 
     def _at_width(self, width: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Height of the edges [m], its fall over the width [-], and its integral [m^2]."""
         at = np.minimum(width / self.spacing, self.heights.shape[2] - 1.001)
-        index = at.astype(int)[:, :, None]
-        share = at - index[:, :, 0]
+        index = at.astype(int)
+        share = at - index
+        index += self._first_index
         edge, following, section = (
-            np.take_along_axis(values, index + step, 2)[:, :, 0]
-            for values, step in ((self._edges, 0), (self._edges, 1), (self._sections, 0))
+            values.ravel().take(places)
+            for values, places in (
+                (self._edges, index),
+                (self._edges, index + 1),
+                (self._sections, index),
+            )
         )
         fall = edge - following
         section = section + self.spacing * share * (edge - 0.5 * share * fall)
         return edge - share * fall, np.maximum(fall, 1e-6 * self._scale) / self.spacing, section
+
+    @cached_property
+    def _first_index(self) -> IntArray:
+        """Of each place in the flat array of its edges."""
+        crests, places, points = self._edges.shape
+        return np.arange(0, crests * places * points, points).reshape(crests, places)
 
     @cached_property
     def _scale(self) -> float:
@@ -171,6 +184,7 @@ class CrestLines:
         """
         width = 0.5 * self.spacing * (self._edges > level).sum(axis=2) if start is None else start
         half_width = self._half_width(width)
+        wide = 0
         for _ in range(_MOST_STEPS):
             give = self._give(half_width)
             sinking = _along(give, width)
@@ -178,7 +192,7 @@ class CrestLines:
             apart = level + sinking - edge
             active = (width > 0.0) | (apart < 0.0)
             last, half_width = half_width, self._half_width(width)
-            is_solved = np.abs(apart[active]).max(initial=0.0) < _TOLERANCE * self._scale
+            is_solved = (apart[active] ** 2).sum() <= (_TOLERANCE * self._scale) ** 2 * active.sum()
             if is_solved and abs(half_width - last) < _BAND_CHANGE * half_width:
                 break
             if is_solved:
@@ -190,7 +204,9 @@ class CrestLines:
                 if _energy(level, trial, _along(give, trial), self._at_width(trial)[2]) <= energy:
                     break
                 share *= 0.5
-            width = trial
+            width, wide = trial, wide + int(trial.max() >= self.most_width)
+            if wide > _MOST_WIDE:
+                break
         else:
             raise SurfaceError(f"level = {level:g} m: the contact of the crests does not converge")
         if width.max() >= self.most_width:

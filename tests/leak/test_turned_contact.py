@@ -381,3 +381,22 @@ def test_an_earlier_load_never_opens_crests():
         assert (of(p, largest=1e5) == of(p)).all()
     table = face.conductivity_table(1e3, 1e9)
     assert table.first_loading(np.log(p), np.log(5e7)) == pytest.approx(np.log(p), abs=1e-9)
+
+
+@pytest.mark.parametrize("face", [(1e-7, 8e-4, 3.5e9), (2e-8, 8e-4, 0.9e9), (2e-7, 6e-4, 5e9)])
+def test_steps_between_levels_leave_a_few_per_cent(face, monkeypatch):
+    """Against levels half as far apart, solved to a twentieth."""
+    from leak.flow import turned_contact
+    from leak.theory import crest_line
+
+    rms, nose_radius, hardness = face
+    usual, close = (turned(fine=fine(rms), nose_radius=nose_radius, hardness=hardness) for _ in range(2))
+    p = np.geomspace(1e-4, 0.4, 8) * usual.sealing_pressure
+    sigma, gap = usual.flow_conductivity(p, 1e-3), usual.mean_separation(p)
+    turned_contact._load.cache_clear()
+    monkeypatch.setattr(turned_contact, "_STEP", 0.4)
+    monkeypatch.setattr(crest_line, "_TOLERANCE", 1e-3)
+    monkeypatch.setattr(crest_line, "_RESIDUAL", 1e-4)
+    assert sigma == pytest.approx(close.flow_conductivity(p, 1e-3), rel=0.05)
+    assert gap == pytest.approx(close.mean_separation(p), rel=0.01)
+    turned_contact._load.cache_clear()
