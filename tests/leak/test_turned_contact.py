@@ -400,3 +400,31 @@ def test_steps_between_levels_leave_a_few_per_cent(face, monkeypatch):
     assert sigma == pytest.approx(close.flow_conductivity(p, 1e-3), rel=0.05)
     assert gap == pytest.approx(close.mean_separation(p), rel=0.01)
     turned_contact._load.cache_clear()
+
+
+@pytest.mark.skipif(
+    not DIRECT.exists(), reason="the reference turned_direct.csv is not here (../shared/reference)"
+)
+def test_error_holds_the_states_of_the_reference():
+    """Means of two cells within the bounds of 5 and 95 %, which above a thousandth span no more than a factor of 4."""
+    rows = np.genfromtxt(DIRECT, delimiter=",", names=True, dtype=None, encoding="utf8")
+    held = []
+    for case in np.unique(rows["case"]):
+        of_case = rows[rows["case"] == case]
+        face = face_of(of_case[0])
+        wave = 2.0 * math.pi / face.fine.median_wavenumber
+        first = face.conductivity_table(1.0, 1e12).separation[0] ** 3
+        for p in np.unique(of_case["pressure_Pa"]):
+            across = of_case["k_across_m3"][of_case["pressure_Pa"] == p]
+            theory = face.flow_conductivity(p, 1.0 / 12.0)
+            low, high = face.flow_error(p, waves=across.size * (2.0 * face.feed / wave) ** 2).factor(
+                [0.05, 0.95]
+            )
+            if theory < 1e-3 * first:
+                assert across.mean() <= high * theory, (case, p)
+                continue
+            held.append(low < across.mean() / theory < high)
+            narrow = face.flow_error(p).factor([0.05, 0.95])
+            assert narrow[1] < 4.0 * narrow[0]
+    assert len(held) >= 10
+    assert np.mean(held) >= 0.9
