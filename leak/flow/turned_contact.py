@@ -35,7 +35,7 @@ _MOST_LEVELS, _GROWTH = 40, 1.5
 _SMOOTH = 20
 # A face whose conductivity has fallen to this share of the first one is sealed.
 _SEALED = 1e-9
-_TINY = 1e-300
+_TINY = float(np.finfo(float).tiny)
 # Mean gap over the height of the crests at which they are pressed flat.
 _CLOSED = 0.02
 # Rms height of the fine roughness over the height of the crests at which these begin to be lost in it, and are lost.
