@@ -491,13 +491,17 @@ def direct(
     >>> low.effective_gap > high.effective_gap > 0.0
     True
     """
+    from fem_seal.files import problem
     from fem_seal.seal.direct import DirectSettings
     from fem_seal.seal.problem import direct_settings, rough_contact
+    from leak import RoughContact
 
     case = case_of(case)
     surface = rough_contact(case)
     if surface is None:
         raise InputError.at("roughness", "there is no surface to simulate; add the table", file=case.file)
+    if not isinstance(surface, RoughContact):
+        raise InputError(problem("direct_turned"), file=case.file)
     settings = direct_settings(case) or DirectSettings()
     if folder is not None:
         settings = replace(settings, folder=Path(folder))

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import LeakModel
     from fem_seal.seal.problem import SealProblem
-    from leak import FlowError, LeakResult, RoughContact
+    from leak import FaceContact, FlowError, LeakResult
     from meshes import SealMesh
 
 
@@ -646,7 +646,7 @@ class SolvedSeal:
         return self.loads[0].of_profile
 
     @property
-    def surface(self) -> RoughContact | None:
+    def surface(self) -> FaceContact | None:
         """With the hardness if asperities yield; None without roughness."""
         return self.problem.surface
 

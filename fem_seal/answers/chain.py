@@ -41,7 +41,7 @@ from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.scenarios import SCENARIOS
-from leak import LeakError
+from leak import LeakError, RoughContact
 
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (
@@ -80,7 +80,7 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
     """
     surface = problem.surface
     simulated = None if problem.flow is None else problem.flow.direct
-    if simulated is None or surface is None:
+    if simulated is None or not isinstance(surface, RoughContact):
         return
     with clock.step("direct", "direct simulation of the surface"):
         _ = simulated.table(surface, progress=clock.progress).range

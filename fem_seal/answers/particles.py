@@ -144,8 +144,10 @@ def _shut_function() -> ShutFunction:
     @cache
     def shut_gaps(rough: LeakModel, size: float) -> LeakModel:
         table = rough.table
-        assert table is not None  # the load leaks
-        return replace(rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size))
+        # the load leaks, and the checks refuse particles beside a turned face
+        surface = rough.surface
+        assert table is not None and isinstance(surface, leak.RoughContact)
+        return replace(rough, make=lambda *_: leak.shut_conductivity(table, surface, size))
 
     return shut_gaps
 
@@ -178,6 +180,7 @@ class _Scenario:
 
     @cached_property
     def gaps(self) -> GapDistribution:
+        assert isinstance(self.rough.surface, leak.RoughContact)  # of the checks
         return leak.GapDistribution.of(self.rough.surface, [self.profile.peak_pressure])
 
     @property

@@ -18,7 +18,7 @@ from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.validity.checks import profile_validity
-from leak import RoughContact
+from leak import FaceContact
 from meshes import ContactGeometry
 
 # Radii of a profile that this program wrote are those of its seat up to the digits of the file.
@@ -98,7 +98,7 @@ def _refuse_far_too_weak(
         raise InputError(problem_of("far_too_weak", peak=peak, pressure=min(loads)), file=problem.file)
 
 
-def _conductivity(peaks: Sequence[float], flow: FlowModel, surface: RoughContact) -> Conductivity:
+def _conductivity(peaks: Sequence[float], flow: FlowModel, surface: FaceContact) -> Conductivity:
     """Flow conductivity over all pressures of the profiles."""
     # nine decades below the peak the resistance is less than one part in a million of the whole
     return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))

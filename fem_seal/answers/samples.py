@@ -34,11 +34,12 @@ from fem_seal.seal.evaluate import Batch, evaluate_many
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import TEST_GAS
 from fem_seal.seal.sources import NeighbourSource
+from leak import TurnedContact
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.materials import Material
-    from leak import PowerSpectrum, RoughContact
+    from leak import FaceContact, PowerSpectrum
 
 # Leak rates of samples [m^3/s], or why there are none: by number of the sample, number of the load, and whether bodies
 # that yield have gone through all loads.
@@ -150,17 +151,17 @@ def drawn_values(inputs: Sequence[AnyInput], uniform: FloatArray) -> dict[str, F
 
 def changed_surface(
     case: Case,
-    surface: RoughContact,
+    surface: FaceContact,
     factors: Mapping[str, float],
     means: Mapping[str, PowerSpectrum] | None = None,
     shares: Mapping[str, float] | None = None,
-) -> RoughContact:
+) -> FaceContact:
     """The rough contact with some of its inputs changed.
 
     Parameters
     ----------
     case : Case
-    surface : RoughContact
+    surface : FaceContact
         The case's own.
     factors : mapping
         Factor of each uncertain input by its key.
@@ -177,14 +178,16 @@ def changed_surface(
     if means or shares or shape:
         assert case.roughness is not None
         spectrum, peklenik = case.roughness.combine(means, shares, shape)
+    spectrum = spectrum.scaled(factors["rms_height"]) if "rms_height" in factors else spectrum
     hardness = surface.hardness
-    return replace(
+    surface = replace(
         surface,
-        spectrum=spectrum.scaled(factors["rms_height"]) if "rms_height" in factors else spectrum,
         effective_modulus=surface.effective_modulus * factors.get("youngs_modulus", 1.0),
         hardness=None if hardness is None else hardness * factors.get("hardness", 1.0),
-        peklenik=peklenik,
     )
+    if isinstance(surface, TurnedContact):
+        return replace(surface, fine=spectrum)
+    return replace(surface, spectrum=spectrum, peklenik=peklenik)
 
 
 def _reshape(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:

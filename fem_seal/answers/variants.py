@@ -20,6 +20,7 @@ from fem_seal.seal.load_solver import (
 )
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS, with_own_contacts
+from leak import RoughContact
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     problem = solver.problem
     surface = problem.surface
-    if surface is None or not surface.smoothed:
+    if not isinstance(surface, RoughContact) or not surface.smoothed:
         return ()
     if problem.interface.law != "spectrum":
         return ()
@@ -169,7 +170,7 @@ def shown_in_full(seal: SolvedSeal) -> tuple[str, ...]:
     seal : SolvedSeal
     """
     surface = seal.problem.surface
-    by_paper = surface is not None and surface.theory == "paper"
+    by_paper = isinstance(surface, RoughContact) and surface.theory == "paper"
     if by_paper or seal.case.requirement is not None:
         return (INTERFACE_VARIANTS.name,)
     return INTERFACE_VARIANTS.name, OWN_CONTACTS.name

@@ -39,6 +39,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_spectrum(case),
         *_interface(case),
         *_of_paper(case),
+        *_turned(case),
         *_hardness(case),
         *(load := list(_load(case))),
         *([] if geometry or load else problems_of_all_loads(case)),
@@ -297,6 +298,25 @@ def _of_paper(case: CaseTables) -> Iterator[Problem]:
     if case.leak.percolation_threshold != Leak().percolation_threshold:
         threshold = f"{case.leak.percolation_threshold:g}"
         yield problem("of_paper", key="leak.percolation_threshold", value=threshold)
+
+
+def _turned(case: CaseTables) -> Iterator[Problem]:
+    """What is not known of a turned face."""
+    if case.roughness is None or case.roughness.turned_face is None:
+        return
+    particles = case.fluid is not None and case.fluid.particles is not None
+    options = {
+        'leak.theory = "paper"': case.leak.theory == "paper",
+        'leak.conductivity = "direct"': case.leak.conductivity == "direct",
+        'leak.fluid_in_gap = "local"': case.leak.fluid_in_gap == "local",
+        "fluid.particles": particles,
+        "form.lay": case.form is not None and case.form.lay is not None,
+        "load.largest_earlier_force": case.load.largest_earlier_force is not None,
+    }
+    yield from (problem("with_turned_face", option=option) for option, is_used in options.items() if is_used)
+    interface = case.interface
+    if interface.law == "exponential" and (interface.u0 is None or interface.p_c is None):
+        yield problem("turned_exponential")
 
 
 def _hardness(case: CaseTables) -> Iterator[Problem]:

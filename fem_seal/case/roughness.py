@@ -32,7 +32,15 @@ from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from leak import Finish, FinishedSurface, MeasuredSurface, PowerSpectrum, ScanSettings, StretchedRoughness
+    from leak import (
+        Finish,
+        FinishedSurface,
+        MeasuredSurface,
+        PowerSpectrum,
+        ScanSettings,
+        StretchedRoughness,
+        TurnedTexture,
+    )
     from leak.surfaces.finish import Spread
     from leak.surfaces.self_affine_fit import TrueHeight
 
@@ -407,7 +415,72 @@ def _measure_scans(
     return measure(read_topographies([path for path, _ in files], unit=unit), settings)
 
 
-AnySpectrum = SelfAffine | TabulatedSpectrum | MeasuredSpectrum | FinishTable
+class FineRoughness(Table):
+    """Roughness on the crests of a turned face: isotropic and self-affine, waves up to two feeds long."""
+
+    rms_height: Annotated[float, Quantity("length", "0.1 nm", "100 um")]
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)]
+    q_rolloff: Wavenumber
+    q_high: Wavenumber | None = None
+
+
+# Keys of other tables that say in [roughness] how a random surface looks.
+_OF_RANDOM = ("hurst", "q_low", "q_rolloff", "q_high", "lay", "lay_aspect", "peklenik", *HEIGHTS)
+
+
+class TurnedFace(Table):
+    """process = "turned" with feed: grooves of the tool side by side, and fine roughness on the crests between them."""
+
+    kind: Literal["turned"]
+    process: Literal["turned"]
+    feed: Annotated[float, Quantity("length", "1 um", "5 mm")]
+    nose_radius: Annotated[float, Quantity("length", "5 um", "50 mm")]
+    fine: Annotated[FineRoughness | FinishTable, Field(union_mode="left_to_right")]
+    spiral: bool = True
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fine_alone(cls, entries: object) -> object:
+        if not isinstance(entries, Mapping):
+            return entries
+        if of_random := [key for key in _OF_RANDOM if key in entries]:
+            raise ValueError(problem("random_and_feed", key=of_random[0]))
+        fine = entries.get("fine")
+        if isinstance(fine, str):
+            return {**entries, "fine": read_finish(fine)}
+        if isinstance(fine, Mapping) and is_finish(fine):
+            return {**entries, "fine": {**fine, "kind": "finish"}}
+        return entries
+
+    @model_validator(mode="after")
+    def _sensible(self) -> TurnedFace:
+        self.texture()
+        return self
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum of the fine roughness as `leak` takes it."""
+        from leak import PowerSpectrum
+        from leak.surfaces.finish import SHORTEST_WAVE
+
+        if isinstance(self.fine, FinishTable):
+            return self.fine.build()
+        q_low = math.pi / self.feed
+        return PowerSpectrum.self_affine(
+            rms_height=self.fine.rms_height,
+            hurst=self.fine.hurst,
+            q_low=min(q_low, self.fine.q_rolloff),
+            q_rolloff=self.fine.q_rolloff,
+            q_high=self.fine.q_high or 2.0 * math.pi / SHORTEST_WAVE.usual,
+        )
+
+    def texture(self) -> TurnedTexture:
+        """The face as `leak` takes it; SurfaceError, a ValueError, if it is none."""
+        from leak import TurnedTexture
+
+        return TurnedTexture(self.feed, self.nose_radius, self.build())
+
+
+AnySpectrum = SelfAffine | TabulatedSpectrum | MeasuredSpectrum | FinishTable | TurnedFace
 Spectrum = Annotated[AnySpectrum, Field(discriminator="kind")]
 # Keys of [roughness] that hold a spectrum.
 PARTS = ("spectrum", "seat", "closure", "gasket", "along", "across")
@@ -453,6 +526,13 @@ class Roughness(FinishKeys):
             self._two_directions(spectra)
         elif ("spectrum" in spectra) == any(key in spectra for key in ("seat", "closure", "gasket")):
             raise ValueError(problem("spectrum_twice" if spectra else "spectrum_missing"))
+        turned_parts = [key for key in spectra if isinstance(getattr(self, key), TurnedFace)]
+        if len(turned_parts) > 1:
+            raise ValueError(problem("two_turned_faces"))
+        if turned_parts and not {"seat", "closure", "gasket"} & {*turned_parts}:
+            raise ValueError(problem("turned_directions", key=turned_parts[0]))
+        if turned_parts and self.peklenik != 1.0:
+            raise ValueError(problem("random_and_feed", key="peklenik"))
         return self
 
     def _two_directions(self, spectra: Collection[str]) -> None:
@@ -478,6 +558,11 @@ class Roughness(FinishKeys):
     def finishes(self) -> dict[str, FinishTable]:
         """Those of `parts` that are finishes."""
         return {key: spectrum for key, spectrum in self.parts.items() if isinstance(spectrum, FinishTable)}
+
+    @property
+    def turned_face(self) -> TurnedFace | None:
+        """The face that is turned with a feed that is given; None without one."""
+        return next((part for part in self.parts.values() if isinstance(part, TurnedFace)), None)
 
     @property
     def is_measured(self) -> bool:
@@ -574,6 +659,8 @@ def read_roughness(entries: object) -> object:
     if not isinstance(entries, Mapping):
         return entries
     tables = dict(entries)
+    if "feed" in tables:
+        raise ValueError(problem("two_turned_faces"))
     for key in PARTS:
         part = tables.get(key)
         if isinstance(part, str):
@@ -581,6 +668,8 @@ def read_roughness(entries: object) -> object:
                 tables[key] = read_finish(part)
             except ValueError as error:
                 raise ValueError(f"{key}, {show(part)}, {error}") from None
+        elif isinstance(part, Mapping) and "feed" in part:
+            tables[key] = {**part, "kind": "turned"}
         elif isinstance(part, Mapping) and is_finish(part):
             tables[key] = {**part, "kind": "finish"}
     return tables

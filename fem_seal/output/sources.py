@@ -66,11 +66,12 @@ def features_used(result: SealSolution) -> dict[str, bool]:
     ----------
     result : SealSolution
     """
-    from leak import Barus, Roelands
+    from leak import Barus, Roelands, RoughContact, TurnedContact
 
     case, surface = result.case, result.surface
     roughness = None if surface is None else case.roughness
     law = None if case.fluid is None or case.fluid.gas is not None else case.fluid.pressure_law
+    theory = surface.theory if isinstance(surface, RoughContact) else ""
     return {
         "flow": any(load.leak is not None for load in result.loads),
         "exponential law": case.interface.law == "exponential",
@@ -80,9 +81,10 @@ def features_used(result: SealSolution) -> dict[str, bool]:
         "measured roughness": roughness is not None and roughness.is_measured,
         "finish": roughness is not None and bool(roughness.finishes),
         "yielding asperities": surface is not None and surface.hardness is not None,
-        "paper's theory": surface is not None and surface.theory == "paper",
-        "corrected theory": surface is not None and surface.theory == "corrected",
+        "paper's theory": theory == "paper",
+        "corrected theory": theory == "corrected",
         "earlier load": any(load.remembers for load in result.loads),
+        "turned faces": isinstance(surface, TurnedContact),
         "stretched roughness": surface is not None and surface.peklenik != 1.0,
         "gas": case.fluid is not None and case.fluid.gas is not None,
         "Barus": isinstance(law, Barus),

@@ -21,9 +21,9 @@ from functools import lru_cache, partial
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
+from fem_seal.contact.laws import InterfaceLaw, Law, ScaledLaw
 from fem_seal.seal.leak_model import Conductivity, FlowModel, calculated_table
-from leak import GasConductivityTable, PowerSpectrum, RoughContact
+from leak import FaceContact, GasConductivityTable, PowerSpectrum, RoughContact, TurnedContact
 from leak.flow.conductivity import AlikeTables
 from leak.numerics.curves import lagrange
 
@@ -41,31 +41,37 @@ _RANGE, _NODES = 1e-9, 50
 _CACHE_SIZE = 4096
 
 
-def family_law(surface: RoughContact) -> ScaledLaw:
-    """The elastic p(u) of a surface, exact, from the law of its shape.
+def family_law(surface: FaceContact) -> Law:
+    """The elastic p(u) of a surface, exact, from the law of its shape; of a turned face its own.
 
     Parameters
     ----------
-    surface : RoughContact
+    surface : FaceContact
     """
+    if isinstance(surface, TurnedContact):
+        return surface.interface_law(surface.hardness is not None)
     member, height, pressure = _member(surface)
     return ScaledLaw(_law(member.elastic), height, math.log(pressure))
 
 
-def same_family(surface: RoughContact, other: RoughContact) -> bool:
-    """Whether two surfaces differ in height, modulus and hardness alone."""
+def same_family(surface: FaceContact, other: FaceContact) -> bool:
+    """Whether two surfaces differ in height, modulus and hardness alone; no turned faces do."""
+    if isinstance(surface, TurnedContact) or isinstance(other, TurnedContact):
+        return False
     return _member(surface)[0].elastic == _member(other)[0].elastic
 
 
-def family_table(flow: FlowModel, surface: RoughContact) -> Conductivity | None:
-    """Flow conductivity of a surface from the tables of its shape; None where it is simulated.
+def family_table(flow: FlowModel, surface: FaceContact) -> Conductivity | None:
+    """Flow conductivity of a surface from the tables of its shape; None for turned faces and where it is simulated.
 
     Parameters
     ----------
     flow : FlowModel
-    surface : RoughContact
+    surface : FaceContact
     """
-    return None if flow.direct is not None else _table_from(surface, flow.gas is not None)
+    if flow.direct is not None or isinstance(surface, TurnedContact):
+        return None
+    return _table_from(surface, flow.gas is not None)
 
 
 @lru_cache(maxsize=64)

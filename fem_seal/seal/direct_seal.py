@@ -263,7 +263,7 @@ def simulate_seal(
         A contact does not converge, or the strip holds no wave of the spectrum.
     """
     surface, flow = problem.surface, problem.flow
-    assert surface is not None and flow is not None
+    assert isinstance(surface, RoughContact) and flow is not None  # of the checks
     pairs = zip(loads, intervals, strict=True)
     places = tuple(place for load, ends in pairs for place in _places(load, ends, surface, flow, settings))
     yield_stress = settings.yield_stress_of(surface) if "von-mises" in asperities else None

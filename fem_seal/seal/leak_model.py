@@ -22,21 +22,19 @@ if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectSettings
     from leak import (
         ConductivityTable,
+        FaceContact,
         Gas,
         GasConductivityTable,
         Groove,
         LeakBounds,
         LeakResult,
         PressureLaw,
-        RoughContact,
     )
     from leak.flow.leak_rate import Permeant
 
 
 # A/A0 where direct simulations of the flow end, and up to the percolation threshold how much further it may be open.
 DIRECT_END = 0.39
-# Rms heights between two rough faces that just touch: of a million summits one is higher.
-_TOUCH_DISTANCE = 5.0
 # Density of a liquid of which none is known [kg/m^3].
 _DENSITY = 1000.0
 # Decades between the highest pressure and the end of a table.
@@ -170,24 +168,23 @@ class FlowModel:
             return self
         return replace(self, direct=direct.elastic)
 
-    def table(
-        self, surface: RoughContact, p_min: float, p_max: float, num: int | None = None
-    ) -> Conductivity:
+    def table(self, surface: FaceContact, p_min: float, p_max: float, num: int | None = None) -> Conductivity:
         """Flow conductivity of a surface over a range of contact pressures.
 
         Parameters
         ----------
-        surface : RoughContact
+        surface : FaceContact
         p_min, p_max : float
             [Pa]
         num : int, optional
             Number of pressures; by default as many as the error asks for.
         """
         if self.direct is not None:
+            assert isinstance(surface, leak.RoughContact)  # of the checks
             return self.direct.table(surface).conductivity_table(p_min, p_max, num, self.end)
         return calculated_table(surface, p_min, p_max, num, of_gas=self.gas is not None)
 
-    def table_around(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def table_around(self, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
 
         The range reaches six decades below the smallest peak, where the table goes on by the low-pressure law. It is
@@ -195,18 +192,18 @@ class FlowModel:
 
         Parameters
         ----------
-        surface : RoughContact
+        surface : FaceContact
         log_peaks : sequence of float
             Decimal logarithms of the peak pressures [Pa].
         """
         return self.table(surface, *range_around(log_peaks))
 
-    def short_table(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def short_table(self, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity around the peak pressures of a few contacts, the only ones that this surface has.
 
         Parameters
         ----------
-        surface : RoughContact
+        surface : FaceContact
         log_peaks : sequence of float
             Decimal logarithms of the peak pressures [Pa].
         """
@@ -265,19 +262,17 @@ class FlowModel:
         assert self.gas is not None  # the table is one of a gas
         return leak.rarefied_conductivity(table, self.gas, log_pressure)
 
-    def in_contact(
-        self, table: Conductivity, surface: RoughContact, profile: PressureProfile
-    ) -> Conductivity:
-        """Table of a contact, which may be only a few waves wide; a simulation's own knows no width.
+    def in_contact(self, table: Conductivity, surface: FaceContact, profile: PressureProfile) -> Conductivity:
+        """Table of a contact, which may be only a few waves wide; that of crests or of a simulation knows no width.
 
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
             Of the endless surface.
-        surface : RoughContact
+        surface : FaceContact
         profile : PressureProfile
         """
-        if self.direct is not None:
+        if self.direct is not None or isinstance(surface, leak.TurnedContact):
             return table
         from leak.flow.short_medium import in_profile
 
@@ -285,7 +280,7 @@ class FlowModel:
         return in_profile(surface, table, profile.contact_for(table), radius)
 
     def leak_of(
-        self, table: Conductivity, surface: RoughContact, profile: PressureProfile, fluid_pressure: float
+        self, table: Conductivity, surface: FaceContact, profile: PressureProfile, fluid_pressure: float
     ) -> LeakResult:
         """Leak of one contact, or of several lands in series, and of all that are equal to it.
 
@@ -293,7 +288,7 @@ class FlowModel:
         ----------
         table : ConductivityTable or GasConductivityTable
             For all pressures of the contact.
-        surface : RoughContact
+        surface : FaceContact
             Of which the table is.
         profile : PressureProfile
             Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
@@ -308,7 +303,7 @@ class FlowModel:
         return self.leak_by(self.in_lands(table, surface, profile), profile, fluid_pressure)
 
     def in_lands(
-        self, table: Conductivity, surface: RoughContact, profile: PressureProfile
+        self, table: Conductivity, surface: FaceContact, profile: PressureProfile
     ) -> list[Conductivity]:
         """Table of each land of a contact, see `in_contact`.
 
@@ -375,7 +370,7 @@ class FlowModel:
     def bounds(
         self,
         table: Conductivity,
-        surface: RoughContact,
+        surface: FaceContact,
         profile: PressureProfile,
         fluid_pressure: float,
         grooves: Sequence[Groove],
@@ -385,7 +380,7 @@ class FlowModel:
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
-        surface : RoughContact
+        surface : FaceContact
             Of which the table is.
         profile : PressureProfile
         fluid_pressure : float
@@ -429,7 +424,7 @@ class FlowModel:
 
 
 def calculated_table(
-    surface: RoughContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
+    surface: FaceContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
 ) -> Conductivity:
     """Flow conductivity of a surface over a range of contact pressures, see `FlowModel.table`.
 
@@ -437,6 +432,8 @@ def calculated_table(
     ----------
     of_gas : bool
     """
+    if isinstance(surface, leak.TurnedContact):
+        return (surface.gas_conductivity_table if of_gas else surface.conductivity_table)(p_min, p_max, num)
     if of_gas:
         return leak.gas_conductivity_table(surface, p_min, p_max, num)
     return surface.conductivity_table(p_min, p_max, num)
@@ -473,11 +470,11 @@ class _Tables:
         Decimal logarithms of the peak pressures [Pa].
     """
 
-    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity]
+    table: Callable[[FlowModel, FaceContact, Sequence[float]], Conductivity]
     peaks: Sequence[float]
     tables: dict[Hashable, Conductivity] = field(default_factory=dict, repr=False)
 
-    def __call__(self, flow: FlowModel, surface: RoughContact) -> Conductivity:
+    def __call__(self, flow: FlowModel, surface: FaceContact) -> Conductivity:
         # a table is that of all liquids, or of all gases
         name = surface, flow.direct, flow.end, flow.gas is None
         if name not in self.tables:
@@ -508,7 +505,7 @@ class LeakModel:
 
     Parameters
     ----------
-    surface : RoughContact
+    surface : FaceContact
     flow : FlowModel or None
         None without a fluid.
     make : callable
@@ -517,24 +514,24 @@ class LeakModel:
         Peak pressures of the contacts [Pa]: u_c of all takes little longer than of one.
     """
 
-    surface: RoughContact
+    surface: FaceContact
     flow: FlowModel | None
-    make: Callable[[FlowModel, RoughContact], Conductivity | None]
+    make: Callable[[FlowModel, FaceContact], Conductivity | None]
     peaks: tuple[float, ...] = ()
 
     @classmethod
     def of(
         cls,
-        surface: RoughContact | None,
+        surface: FaceContact | None,
         flow: FlowModel | None,
         contacts: Sequence[ContactSolution],
-        table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
+        table: Callable[[FlowModel, FaceContact, Sequence[float]], Conductivity] | None = None,
     ) -> LeakModel | None:
         """With a table over all pressures of some contacts; None without roughness.
 
         Parameters
         ----------
-        surface : RoughContact or None
+        surface : FaceContact or None
         flow : FlowModel or None
         contacts : sequence of ContactSolution
         table : callable, optional
@@ -601,7 +598,7 @@ class LeakModel:
         """
         if self.flow is None:
             return math.inf
-        distance, rates = _TOUCH_DISTANCE * self.surface.spectrum.rms_height, []
+        distance, rates = self.surface.touch_distance, []
         for land in profile.lands:
             gap = land.gap - land.gap.min() + distance
             if np.isfinite(gap).all():
@@ -622,9 +619,12 @@ class LeakModel:
         fluid_pressure : float
             Pressure difference [Pa].
         """
+        peak, surface = max(land.peak_pressure for land in profile.lands), self.surface
         if self.flow is None or self.table is None:
             return 0.0
-        peak, surface = max(land.peak_pressure for land in profile.lands), self.surface
+        if isinstance(surface, leak.TurnedContact):
+            open_flow = self.leak_pressed_up_to(surface.nearly_sealed_pressure, profile, fluid_pressure)
+            return 0.0 if open_flow is None else open_flow.leak_rate
         tables = [table.liquid for table in self.flow.in_lands(self.table, surface, profile)]
         low, high = math.log(1e-6 * peak), math.log(peak)
 
@@ -672,7 +672,8 @@ class LeakModel:
         at, peak = profile.peak
         if profile.largest is not None:
             largest = float(np.interp(at, profile.x, profile.largest))
-            return float(self.surface.critical_separation(peak, largest=largest))
+            if not isinstance(self.surface, leak.TurnedContact):
+                return float(self.surface.critical_separation(peak, largest=largest))
         separation = self._separations.get(peak)
         return float(self.surface.critical_separation(peak)) if separation is None else separation
 

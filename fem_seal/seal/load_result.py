@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fem_seal.errors import Problem
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.problem import SealProblem
-    from leak import LeakResult, RoughContact
+    from leak import FaceContact, LeakResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +199,7 @@ def load_results(
     points: Iterable[tuple[float, float]],
     contacts: Sequence[ContactSolution],
     circumferences: Sequence[Circumference | None],
-    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
+    table: Callable[[FlowModel, FaceContact, Sequence[float]], Conductivity] | None = None,
     others: Sequence[ContactSolution] = (),
 ) -> tuple[LoadResult, ...]:
     """Loads of a problem on contacts that are known; one that comes again is the same, and so is its leak rate.

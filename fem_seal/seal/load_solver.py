@@ -54,6 +54,7 @@ from fem_seal.seal.cost import about
 from fem_seal.seal.load_result import LoadResult, load_results
 from fem_seal.seal.problem import SealFlow, SealProblem, condense_bodies
 from fem_seal.wording import Quantity
+from leak import RoughContact
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.leak_model import Conductivity, FlowModel
-    from leak import RoughContact
+    from leak import FaceContact
 
 
 @dataclass(frozen=True)
@@ -344,9 +345,9 @@ class LoadSolver:
 
     @property
     def asperities_remember(self) -> bool:
-        """Whether asperities yield, so that a place which was pressed harder before stays tighter."""
+        """Whether asperities yield and are known to stay tighter where they were pressed harder before."""
         surface = self.problem.surface
-        return surface is not None and surface.hardness is not None
+        return isinstance(surface, RoughContact) and surface.hardness is not None
 
     @cached_property
     def flow(self) -> SealFlow | None:
@@ -452,7 +453,7 @@ class SolvedLoads:
         self,
         problem: SealProblem,
         points: Iterable[tuple[float, float]],
-        table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
+        table: Callable[[FlowModel, FaceContact, Sequence[float]], Conductivity] | None = None,
     ) -> tuple[LoadResult, ...]:
         """What leaks through the contacts, see `load_results`.
 

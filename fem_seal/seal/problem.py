@@ -48,33 +48,35 @@ if TYPE_CHECKING:
     from fem_seal.form import FormError
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.direct import DirectSettings
-    from leak import LeakResult, RoughContact
+    from leak import FaceContact, LeakResult
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
 DEFAULT_GAMMA = 0.4
 
 
-def interface_law(interface: Interface, surface: RoughContact | None) -> Law:
+def interface_law(interface: Interface, surface: FaceContact | None) -> Law:
     """The law of a rough contact; of "smooth", and of "exponential" with its own numbers, without one.
 
     Parameters
     ----------
     interface : Interface
-    surface : RoughContact or None
+    surface : FaceContact or None
     """
-    from leak import ExponentialLaw
+    from leak import ExponentialLaw, TurnedContact
 
     if interface.law == "smooth":
         return HardContact()
     if interface.law == "spectrum":
         assert surface is not None  # the case's own checks demand a roughness
-        return surface.interface_law(plastic=interface.plastic)
+        # crests bear all load, so that their gap is that of what they bear
+        crests_yield = isinstance(surface, TurnedContact) and surface.hardness is not None
+        return surface.interface_law(interface.plastic or crests_yield)
     u0, p_c = exponential_law(interface, surface)
     assert u0 is not None and p_c is not None
     return ExponentialLaw(p_c=p_c, u0=u0)
 
 
-def exponential_law(interface: Interface, surface: RoughContact | None) -> tuple[float | None, float | None]:
+def exponential_law(interface: Interface, surface: FaceContact | None) -> tuple[float | None, float | None]:
     """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
 
     With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "spectrum" the elastic
@@ -83,12 +85,14 @@ def exponential_law(interface: Interface, surface: RoughContact | None) -> tuple
     Parameters
     ----------
     interface : Interface
-    surface : RoughContact or None
+    surface : FaceContact or None
     """
+    from leak import RoughContact
+
     exponential = surface is None or surface.exponential_at_low_pressure
     if interface.law == "smooth" or (interface.law == "spectrum" and not exponential):
         return None, None
-    if surface is None:
+    if not isinstance(surface, RoughContact):
         return interface.u0, interface.p_c
     if interface.law == "spectrum":
         return surface.u0, surface.p_c
@@ -387,7 +391,7 @@ class SealProblem:
         Of "closure" and "seat".
     interface : Interface
     loads : Loads
-    surface : RoughContact or None
+    surface : FaceContact or None
         With the hardness if asperities yield; None without roughness.
     flow : FlowModel or None
         None without a fluid.
@@ -414,7 +418,7 @@ class SealProblem:
     materials: dict[str, Material]
     interface: Interface
     loads: Loads
-    surface: RoughContact | None = None
+    surface: FaceContact | None = None
     flow: FlowModel | None = None
     form: FormError | None = None
     supports: Supports = _FREE
@@ -588,22 +592,32 @@ def under_loads(problems: Iterable[SealProblem], loads: Loads) -> tuple[SealProb
     return tuple(replace(problem, loads=loads) for problem in problems)
 
 
-def rough_contact(case: CaseTables) -> RoughContact | None:
-    """The case's rough contact, with the hardness if its asperities yield; None without roughness.
+def rough_contact(case: CaseTables) -> FaceContact | None:
+    """The case's faces, with the hardness if their asperities yield; None without roughness.
 
     Parameters
     ----------
     case : CaseTables
     """
-    from leak import RoughContact
+    from leak import RoughContact, TurnedContact
 
     if case.roughness is None:
         return None
     spectrum, peklenik = case.roughness.combine()
+    hardness, face = case.hardness if case.leak.plasticity else None, case.roughness.turned_face
+    if face is not None:
+        return TurnedContact(
+            feed=face.feed,
+            nose_radius=face.nose_radius,
+            fine=spectrum,
+            effective_modulus=case.effective_modulus,
+            hardness=hardness,
+            thread_radius=case.initial_contact_radius if face.spiral else math.inf,
+        )
     return RoughContact(
         spectrum,
         effective_modulus=case.effective_modulus,
-        hardness=case.hardness if case.leak.plasticity else None,
+        hardness=hardness,
         theory=case.leak.theory,
         percolation_threshold=case.leak.percolation_threshold,
         peklenik=peklenik,
@@ -834,12 +848,12 @@ class SealFlow:
     ----------
     problem : SealProblem
         Of which the expected contacts are.
-    surface : RoughContact
+    surface : FaceContact
     flow : FlowModel
     """
 
     problem: SealProblem
-    surface: RoughContact
+    surface: FaceContact
     flow: FlowModel
 
     @classmethod

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.leak_model import FlowModel, LeakModel
     from fem_seal.seal.load_result import LoadResult
     from fem_seal.seal.problem import SealProblem
-    from leak import Gas, RoughContact
+    from leak import FaceContact, Gas
 
 
 TEST_GAS = "test gas"
@@ -162,7 +162,7 @@ def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
         yield Scenario(name, replace(problem, flow=replace(flow, end=end)))
     if (test_flow := with_test_gas(flow)) is not flow:
         yield Scenario(TEST_GAS, replace(problem, flow=test_flow))
-    if surface.hardness is not None:
+    if isinstance(surface, leak.RoughContact) and surface.hardness is not None:
         yield Scenario(FIRST_LOADING, replace(problem, loads=problem.loads.on_new_surfaces))
 
 
@@ -182,14 +182,14 @@ def problem_in(problem: SealProblem, name: str) -> SealProblem:
 def with_own_contacts(problem: SealProblem) -> Iterator[Scenario]:
     """Those by the theories of the rough contact that a problem does not use, each with what it takes by default.
 
-    None without roughness or fluid; a simulation of the flow is of neither theory.
+    None without roughness or fluid; a turned face and a simulation of the flow are of neither theory.
 
     Parameters
     ----------
     problem : SealProblem
     """
     surface, flow = problem.surface, problem.flow
-    if surface is None or flow is None:
+    if not isinstance(surface, leak.RoughContact) or flow is None:
         return
     threshold = type(surface).percolation_threshold
     for theory in READINGS:
@@ -204,12 +204,12 @@ def with_own_contacts(problem: SealProblem) -> Iterator[Scenario]:
             yield Scenario(theory, other)
 
 
-def names(surface: RoughContact | None, flow: FlowModel | None) -> tuple[str, ...]:
+def names(surface: FaceContact | None, flow: FlowModel | None) -> tuple[str, ...]:
     """What the seal of a problem is called among scenarios: its surface, and its theory unless it is simulated.
 
     Parameters
     ----------
-    surface : RoughContact or None
+    surface : FaceContact or None
     flow : FlowModel or None
     """
     if surface is None:
@@ -217,6 +217,8 @@ def names(surface: RoughContact | None, flow: FlowModel | None) -> tuple[str, ..
     if flow is not None and flow.direct is not None:
         same = surface.elastic is surface and flow.elastic is flow
         return (str(Reading.ELASTIC),) if same else ("simulated",)
+    if isinstance(surface, leak.TurnedContact):
+        return str(Reading.ELASTIC) if surface.hardness is None else surface.theory, surface.theory
     return str(Reading.ELASTIC) if surface.hardness is None else surface.yielding, surface.theory
 
 

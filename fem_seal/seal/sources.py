@@ -26,7 +26,7 @@ from fem_seal.seal.leak_model import log_peaks as log_peaks_of
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_linearised, solve_path
 from fem_seal.seal.problem import SealProblem, condense_bodies, with_stop
-from leak import RoughContact
+from leak import FaceContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class Source:
         with clock.step("condense", "condensing both bodies on the contact line"):
             return seal_mesh, condense_bodies(problem, seal_mesh)
 
-    def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def table(self, flow: FlowModel, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over peak pressures given as decimal logarithms [Pa]."""
         return flow.table_around(surface, log_peaks)
 
@@ -146,7 +146,7 @@ def with_family_law(problem: SealProblem) -> SealProblem:
     return problem
 
 
-def family_or_own_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+def family_or_own_table(flow: FlowModel, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
     """Flow conductivity of a surface from tables of its family; its own where it is simulated."""
     return family_table(flow, surface) or flow.table_around(surface, log_peaks)
 
@@ -169,7 +169,7 @@ class SharedBodies(Source):
 
     rounding: MeshRounding = STUDIES
     light: KeyedStore = field(default_factory=lambda: KeyedStore(_LIGHT_MODELS))
-    tables: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] = family_or_own_table
+    tables: Callable[[FlowModel, FaceContact, Sequence[float]], Conductivity] = family_or_own_table
     stress: bool = False
 
     settings = ContactSettings(_TOLERANCE, _TOLERANCE, fluid_tolerance=_TOLERANCE)
@@ -198,7 +198,7 @@ class SharedBodies(Source):
         )
         return None, with_stop(problem, model)
 
-    def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def table(self, flow: FlowModel, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
         """From tables that are shared."""
         return self.tables(flow, surface, log_peaks)
 
@@ -336,7 +336,7 @@ class NeighbourSource(Source):
             circumferences += [] if circumference is None else [circumference]
         return SolvedLoads(contacts, circumferences=circumferences)
 
-    def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def table(self, flow: FlowModel, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
         """Of the known surface's family, or a short one for the pressures of the contacts themselves."""
         if flow.direct is not None:
             # with the range of the solved seal, as long as it will do, the table's own error is that of all

@@ -31,14 +31,15 @@ from fem_seal.units import DIGITS, format_at_limit
 from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import material_cautions
+from fem_seal.validity.turned import turned_cautions
 from fem_seal.wording import Quantity, Words
-from leak import ConductivityTable
+from leak import ConductivityTable, RoughContact, TurnedContact
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import FlowModel
-    from leak import RoughContact
+    from leak import FaceContact
 
 
 # Margin to opening over the acting force or pressure below which the contact force is a small difference of large ones.
@@ -165,13 +166,16 @@ def _temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Itera
 
 
 def _interface_cautions(
-    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float | None = None
+    problem: SealProblem, surface: FaceContact, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Finding]:
-    sealing = surface.sealing_pressure if sealing is None else sealing
-    yield from _sealed_loads(surface, loads, sealing)
-    yield from _nearly_sealed(problem, surface, loads, sealing)
-    yield from _range(problem, surface, loads)
-    yield from _long_waves(surface, loads)
+    if isinstance(surface, TurnedContact):
+        yield from turned_cautions(surface, loads)
+    else:
+        sealing = surface.sealing_pressure if sealing is None else sealing
+        yield from _sealed_loads(surface, loads, sealing)
+        yield from _nearly_sealed(problem, surface, loads, sealing)
+        yield from _range(problem, surface, loads)
+        yield from _long_waves(surface, loads)
     if problem.flow is not None:
         yield from _fluid_opens(problem, problem.flow, loads)
         yield from fluid_cautions(problem.flow, loads)
@@ -302,8 +306,9 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
     for check in bodies:
         yield from check(problem, answers)
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
-        sealing = problem.surface.sealing_pressure
-        yield from _nearly_sealed(problem, problem.surface, answers, sealing)
+        if isinstance(problem.surface, RoughContact):
+            sealing = problem.surface.sealing_pressure
+            yield from _nearly_sealed(problem, problem.surface, answers, sealing)
         yield from molecule_cautions(problem.flow, answers)
 
 

@@ -204,6 +204,11 @@ class RoughContact:
         return 2.0 * math.pi / self.spectrum.median_wavenumber * math.sqrt(self.peklenik)
 
     @property
+    def touch_distance(self) -> float:
+        """Between two rough faces that just touch [m]: of a million summits one is higher than five rms heights."""
+        return 5.0 * self.spectrum.rms_height
+
+    @property
     def knows_deviation(self) -> bool:
         """Whether its theory says how far direct simulation may find the flow, see `flow_error`."""
         return self.theory == "corrected"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +42,11 @@ _CLOSED = 0.02
 _LOST = (0.13, 0.39)
 # Of the range of its table where the face is its fine roughness, the lowest pressure over the sealing pressure.
 _LOWEST = 1e-8
+# Pressures of a table below the first touch.
+_BEFORE_TOUCH = 3
+# Share of the nominal area that touches where direct simulations begin, and what is left of the conductivity there in a
+# face that is nearly sealed.
+_BEARS, _NEARLY = 5e-3, 3e-3
 # Standard deviation of ln(direct/theory) over the decades by which the conductivity has fallen since the first touch,
 # and of a median wave of crest; mean of crests half lost in the fine roughness: `benchmarks/turned_error.py`.
 _FALLEN, _SPREAD = (0.0, 1.5, 3.0, 3.5, 4.5), (0.2, 0.2, 0.4, 2.0, 2.0)
@@ -81,6 +86,9 @@ class TurnedContact:
         E* [Pa].
     hardness : float, optional
         Of the softer face [Pa]; None for elastic crests.
+    thread_radius : float
+        r_0 of a contact through which the thread between the crests leads, which its tables include [m]; infinite for
+        rings.
 
     Raises
     ------
@@ -101,12 +109,17 @@ class TurnedContact:
     fine: PowerSpectrum = field(kw_only=True)
     effective_modulus: float = field(kw_only=True)
     hardness: float | None = field(default=None, kw_only=True)
+    thread_radius: float = field(default=math.inf, kw_only=True)
+    theory: ClassVar[str] = "turned"
+    peklenik: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         TurnedTexture(self.feed, self.nose_radius, self.fine)
         positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
         if self.hardness is not None:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
+        if not self.thread_radius > 0.0:
+            raise SurfaceError(f"thread_radius = {self.thread_radius:g} m: must be positive [m]")
 
     @property
     def texture(self) -> TurnedTexture:
@@ -182,7 +195,21 @@ class TurnedContact:
 
     @property
     def _path(self) -> tuple[_State, ...]:
-        return _load(self)
+        return _load(self._rings)
+
+    @property
+    def _rings(self) -> TurnedContact:
+        """The same crests without a way along the thread."""
+        return replace(self, thread_radius=math.inf) if self._has_thread else self
+
+    @property
+    def _has_thread(self) -> bool:
+        return math.isfinite(self.thread_radius)
+
+    @property
+    def touch_distance(self) -> float:
+        """Mean gap of faces that just touch, valleys included [m]: of a million places one is five rms heights high."""
+        return 2.0 / 3.0 * self.texture.crest_height + 5.0 * self.fine.rms_height
 
     def _state(self, pressed: PressedCrests) -> _State:
         m, r_t = self.texture.side_slope, self.texture.crest_height
@@ -324,7 +351,9 @@ class TurnedContact:
     def conductivity_table(
         self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
     ) -> ConductivityTable:
-        """Table of u_eff = (12 eta sigma)^(1/3) across the crests, without the thread; made once for all ranges.
+        """Table of u_eff = (12 eta sigma)^(1/3) across the crests, with the thread of a `thread_radius`.
+
+        Made once for all ranges.
 
         Parameters
         ----------
@@ -336,7 +365,7 @@ class TurnedContact:
             Of the fine roughness where crests are lost in it. Throats know no other.
         """
         self._check_table(p_min, p_max, method)
-        return self._table
+        return self._with_thread[0] if self._has_thread else self._table
 
     def gas_conductivity_table(
         self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
@@ -352,7 +381,81 @@ class TurnedContact:
             See `conductivity_table`.
         """
         self._check_table(p_min, p_max, method)
-        return self._gas_table
+        if not self._has_thread:
+            return self._gas_table
+        liquid, log_rarefaction = self._with_thread
+        return GasConductivityTable(liquid, log_rarefaction, _LOG_D)
+
+    @cached_property
+    def _with_thread(self) -> tuple[ConductivityTable, FloatArray]:
+        """Table of crests and thread side by side, and ln of the rarefaction of gases in both at `_LOG_D`.
+
+        The thread stays open until the crests are pressed flat.
+        """
+        crests = self._gas_table
+        beyond = np.array(
+            [state.pressure for state in self._path if state.pressure > crests.liquid.pressure[-1]]
+        )
+        pressure = np.concatenate([crests.liquid.pressure, beyond])
+        across = np.concatenate([crests.liquid.separation**3, np.zeros(beyond.size)])
+        valleys = self.valley_gaps(pressure)
+        total = across + self._winding * np.mean(valleys**3, axis=1)
+        gas = np.empty((pressure.size, _LOG_D.size))
+        for row, (gaps, u) in enumerate(zip(valleys, np.cbrt(total), strict=True)):
+            deep = gaps[gaps > 0.0]
+            factor = np.exp(log_flow_factor(_LOG_D[:, None] + np.log(deep / u)))
+            gas[row] = self._winding * (factor @ deep**3) / gaps.size
+        # the same gas has another inverse Knudsen number in the effective gap of the crests alone
+        log_p = np.log(crests.liquid.pressure)[:, None]
+        own = _LOG_D + np.log(crests.liquid.separation / np.cbrt(total[: log_p.size]))[:, None]
+        gas[: log_p.size] += across[: log_p.size, None] * np.exp(crests.log_flow_at(log_p)(own))
+        table = ConductivityTable(pressure, np.cbrt(total), self.contact_pressure, self.contact_pressure)
+        return table.of_surface(self), np.log(gas / total[:, None]) - log_flow_factor(_LOG_D)
+
+    @property
+    def _winding(self) -> float:
+        """Square of the way across the contact over that along the thread [-]."""
+        return (self.feed / (2.0 * math.pi * self.thread_radius)) ** 2
+
+    def valley_gaps(self, pressure: ArrayLike) -> FloatArray:
+        """Gaps across a valley under the flat, which stands as high above it as the mean gap says [m].
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal, positive [Pa].
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            At evenly spaced places from the crest to the middle of the valley.
+        """
+        depth = self.texture.depth_at(np.linspace(0.0, 0.5 * self.feed, 513)[1::2])
+        level = np.asarray(self.mean_separation(pressure)) - 2.0 / 3.0 * self.texture.crest_height
+        return np.asarray(np.maximum(level[..., None] + depth, 0.0))
+
+    def thread_share(self, pressure: ArrayLike) -> FloatArray:
+        """Conductivity of the thread over that of thread and crests [-]; zero for rings.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal, positive [Pa].
+        """
+        if not self._has_thread:
+            return np.zeros(_checked(pressure).shape)
+        thread = np.asarray(self.spiral_conductivity(pressure, 1.0, self.thread_radius))
+        return np.asarray(thread / (thread + np.asarray(self.flow_conductivity(pressure, 1.0))))
+
+    @property
+    def nearly_sealed_pressure(self) -> float:
+        """Where the conductivity has fallen to three thousandths; beyond it direct simulations say no more [Pa].
+
+        Of what it is where half a hundredth of the face touches, as it does at first in the direct simulations.
+        """
+        nearly = _NEARLY * self.flow_conductivity(_BEARS * self.contact_pressure, 1.0 / 12.0)
+        nearly_sealed = (state.pressure for state in self._path if state.gap_cubed <= nearly)
+        return min(next(nearly_sealed, math.inf), self.sealing_pressure)
 
     def _check_table(self, p_min: float, p_max: float, method: str) -> None:
         low, high = (
@@ -375,6 +478,11 @@ class TurnedContact:
         if share > 0.0:
             rough = self._rough.conductivity_table(_LOWEST * sealing, self._rough.sealing_pressure)
             u = u ** (1.0 - share) * np.asarray(rough.effective_separation(pressure)) ** share
+        # before the first touch the gap opens as the law of the interface does, by so much for each factor of e
+        steps = np.arange(_BEFORE_TOUCH, 0, -1)
+        opens = (u[0] - u[1]) / math.log(pressure[1] / pressure[0])
+        pressure = np.concatenate([pressure[0] * np.exp(-steps), pressure])
+        u = np.concatenate([u[0] + opens * steps, u])
         return ConductivityTable(pressure, u, sealing, sealing).of_surface(self)
 
     @cached_property
@@ -382,8 +490,9 @@ class TurnedContact:
         share, sealing, liquid = self._lost_share, self.sealing_pressure, self._table
         if share == 1.0:
             return gas_conductivity_table(self._rough, _LOWEST * sealing, sealing)
-        log_u = np.log(liquid.separation)
+        log_u = np.log(liquid.separation[_BEFORE_TOUCH:])
         flows = np.stack([_log_gas_flow(*pair) for pair in zip(self._flowing, log_u, strict=True)])
+        flows = np.concatenate([np.repeat(flows[:1], _BEFORE_TOUCH, axis=0), flows])
         if share > 0.0:
             top = self._rough.sealing_pressure
             rough, log_p = (
@@ -489,7 +598,10 @@ class TurnedContact:
             bias = share * of_rough.bias + _HALF_LOST * 4.0 * share * (1.0 - share)
             parts = {name: (1.0 - share) * part for name, part in parts.items()}
             parts["fine roughness"] = share * of_rough.spread**2
-        return FlowError(bias, np.sqrt(sum(parts.values())), parts)
+        # of the thread nothing is left open
+        of_crests = 1.0 - self.thread_share(pressure)
+        parts = {name: of_crests**2 * part for name, part in parts.items()}
+        return FlowError(of_crests * bias, np.sqrt(sum(parts.values())), parts)
 
     def spiral_conductivity(self, pressure: ArrayLike, viscosity: float, radius: float) -> FloatArray | float:
         """Of the thread from the outside to the inside, to be added to that across the crests [m^3/(Pa s)].
@@ -507,12 +619,8 @@ class TurnedContact:
         """
         eta = positive(ConductivityError, "viscosity", viscosity, "Pa s")
         r_0 = positive(ConductivityError, "radius", radius, "m")
-        texture = self.texture
-        depth = texture.depth_at(np.linspace(0.0, 0.5 * self.feed, 513)[1::2])
-        # the flat stands as high above the valleys as the mean gap says
-        level = np.asarray(self.mean_separation(pressure)) - 2.0 / 3.0 * texture.crest_height
-        along = np.mean(np.maximum(level[..., None] + depth, 0.0) ** 3, axis=-1)
-        sigma = along * (self.feed / (2.0 * math.pi * r_0)) ** 2 / (12.0 * eta)
+        winding = replace(self, thread_radius=r_0)._winding
+        sigma = np.mean(self.valley_gaps(pressure) ** 3, axis=-1) * winding / (12.0 * eta)
         return float(sigma) if sigma.ndim == 0 else sigma
 
 
@@ -580,3 +688,7 @@ def _checked(pressure: ArrayLike) -> FloatArray:
     if not np.all(np.isfinite(p) & (p >= 0.0)):
         raise SurfaceError(f"pressure = {pressure!r}: must be finite and not negative [Pa]")
     return p
+
+
+FaceContact: TypeAlias = RoughContact | TurnedContact
+"""Two faces that touch, of any kind."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -222,6 +223,31 @@ def test_direct_simulation_agrees():
         assert thread == pytest.approx(along, rel=0.15)
     assert len(logs) == 12
     assert math.sqrt(np.mean(np.square(logs))) < 0.35
+
+
+@pytest.mark.parametrize("feed", [5e-5, 1e-4])
+def test_gap_opens_without_end_before_the_first_touch(feed):
+    """Far from a contact next to nothing resists: u_eff goes on with the logarithm of the pressure."""
+    table = turned(feed=feed, nose_radius=8.0 * feed).conductivity_table(1e3, 1e9)
+    log_p = np.log(table.pressure[0]) - np.array([0.0, 10.0, 1000.0])
+    opens = np.diff(table.at_log_pressure(log_p)) / np.diff(-log_p)
+    assert opens == pytest.approx(opens[0], rel=0.02) and opens[0] > 0.1 * 1e-7 / 8.0
+
+
+def test_thread_is_added_to_the_crests_for_liquids_and_gases():
+    rings, thread = steel(), replace(steel(), thread_radius=5e-3)
+    p = np.array([20e6, 60e6])
+    sum_of_both = rings.flow_conductivity(p, 1e-3) + rings.spiral_conductivity(p, 1e-3, 5e-3)
+    assert thread.conductivity_table(1e6, 1e9).conductivity(p, 1e-3) == pytest.approx(sum_of_both, rel=2e-3)
+    assert thread.flow_conductivity(p, 1e-3) == pytest.approx(rings.flow_conductivity(p, 1e-3), rel=1e-12)
+    # what seals the crests leaves the thread open, through which even a thin gas flows as a continuum sooner
+    tight = 1.2 * rings.sealing_pressure
+    assert thread.conductivity_table(1e6, 1e9).conductivity(tight, 1e-3) == pytest.approx(
+        rings.spiral_conductivity(tight, 1e-3, 5e-3), rel=2e-2
+    )
+    gas = thread.gas_conductivity_table(1e6, 1e9)
+    assert np.isfinite(gas.log_rarefaction).all()
+    assert gas.log_rarefaction[:, -1] == pytest.approx(0.0, abs=2e-2)
 
 
 def of_cells(face: leak.TurnedContact, pressures: np.ndarray) -> np.ndarray:

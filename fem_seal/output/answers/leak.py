@@ -22,7 +22,7 @@ from fem_seal.seal.load_result import load_values
 from fem_seal.units import LIQUID, LeakVolume, digits_at_limit, format_digits, range_text
 from fem_seal.validity.checks import FLUID_OPENS
 from fem_seal.wording import say, say_all
-from leak import CoupledLeakResult, LeakageClass, LeakResult, drops_per_minute
+from leak import CoupledLeakResult, LeakageClass, LeakResult, TurnedContact, drops_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -105,6 +105,8 @@ def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str
         return
     if surface.hardness is None:
         yield say(display, "leak", "elastic")
+        return
+    if isinstance(surface, TurnedContact):
         return
     area, (factor, effect) = float(surface.contact_area(peak)), yielding_factor(load)
     share = float(surface.plastic_area(peak)) / area

@@ -22,6 +22,7 @@ from fem_seal.seal.load_result import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact
 from fem_seal.units import number, percent
+from leak import RoughContact, TurnedContact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.units import Display
-    from leak import HeightMap, LineScan, MeasuredSurface, RoughContact, TurnedScan
+    from leak import FaceContact, HeightMap, LineScan, MeasuredSurface, TurnedScan
 
 # Fractions below this share of the nominal area are not drawn.
 _SMALLEST_AREA = 1e-7
@@ -76,11 +77,11 @@ def separation_picture(result: SealSolution) -> Picture | None:
         "separation",
         "all",
         "memory" if any(load.remembers for load in result.loads) else "",
-        threshold=percent(surface.percolation_threshold),
+        threshold=percent(surface.percolation_threshold) if isinstance(surface, RoughContact) else "",
     )
 
 
-def _total_areas(axes: Axes, surface: RoughContact, p: FloatArray, peaks: FloatArray, unit: float) -> None:
+def _total_areas(axes: Axes, surface: FaceContact, p: FloatArray, peaks: FloatArray, unit: float) -> None:
     axes.plot(
         p / unit,
         np.asarray(surface.contact_area(p)),
@@ -90,13 +91,13 @@ def _total_areas(axes: Axes, surface: RoughContact, p: FloatArray, peaks: FloatA
     axes.plot(peaks / unit, np.asarray(surface.contact_area(peaks)), "o", color=BLUE, ms=3.8)
     if surface.hardness is not None:
         axes.plot(p / unit, np.asarray(surface.elastic.contact_area(p)), color=ORANGE, label="elastic")
-    axes.axhline(
-        surface.percolation_threshold, color=GREY, linewidth=1.1, linestyle=(0, (4, 2)), label="tight above"
-    )
+    if isinstance(surface, RoughContact):
+        threshold = surface.percolation_threshold
+        axes.axhline(threshold, color=GREY, linewidth=1.1, linestyle=(0, (4, 2)), label="tight above")
 
 
 def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
-    """Contact area against magnification, and the spectrum before and after yielding; None without roughness.
+    """Contact area against magnification, and the spectrum before and after yielding; None of a face without them.
 
     Parameters
     ----------
@@ -105,7 +106,7 @@ def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
         The contact area is that at the peak pressure of this load.
     """
     surface = result.surface
-    if surface is None:
+    if not isinstance(surface, RoughContact):
         return None
     peak = load.peak_pressure
     figure, (areas, spectrum) = panels(2, height=4.1, head=0.85)
@@ -164,13 +165,13 @@ def _hide_small_areas(area: FloatArray) -> FloatArray:
     return np.where(area > 0.1 * _SMALLEST_AREA, area, np.nan)
 
 
-def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float = 0.55) -> None:
+def draw_spectrum(axes: Axes, surface: FaceContact, peak: float, above: float = 0.55) -> None:
     """The power spectrum, and what yielding asperities leave of it under a pressure.
 
     Parameters
     ----------
     axes : Axes
-    surface : RoughContact
+    surface : FaceContact
     peak : float
         Pressure [Pa].
     above : float
@@ -180,7 +181,12 @@ def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float =
     C = np.asarray(surface.spectrum(q))
     axes.plot(q, C, color=BLUE, linewidth=2.0, label="as measured or given")
     bottom = float(C[C > 0].min())
-    if surface.hardness is not None and surface.smoothed and peak < surface.hardness:
+    if (
+        isinstance(surface, RoughContact)
+        and surface.hardness
+        and surface.smoothed
+        and peak < surface.hardness
+    ):
         smoothed = C * np.asarray(surface.smoothing(peak, q))
         bottom *= 0.05
         axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")
@@ -190,7 +196,7 @@ def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float =
     label(axes, "Power spectrum of the roughness", *names, log="xy", above=above)
 
 
-def _spectrum_points(surface: RoughContact) -> FloatArray:
+def _spectrum_points(surface: FaceContact) -> FloatArray:
     """Wavenumbers that show every kink of the spectrum."""
     spectrum = surface.spectrum
     q = np.geomspace(spectrum.q_low, spectrum.q_high, 160)
@@ -231,12 +237,16 @@ def law_picture(result: SealSolution) -> Picture | None:
         p = p[p < 0.95 * surface.hardness]
     curves: list[tuple[str, FloatArray, str, bool]] = []
     if interface.law == "spectrum" and surface is not None:
-        laws = [False, True] if surface.hardness is not None else [False]
+        laws = (
+            [False, True] if surface.hardness is not None and isinstance(surface, RoughContact) else [False]
+        )
         for plastic in laws:
-            name = "p(u) of the yielded surface" if plastic else "p(u) of the elastic surface"
-            gap = np.asarray(surface.interface_law(plastic=plastic).gap(np.log(p)))
+            name = f"p(u) of the {'yielded' if plastic else 'elastic'} surface"
+            name = "p(u) of the turned face" if isinstance(surface, TurnedContact) else name
+            law = result.problem.law if isinstance(surface, TurnedContact) else surface.interface_law(plastic)
+            gap = np.asarray(law.gap(np.log(p)))
             curves.append((name, gap, PURPLE if plastic else BLUE, plastic == interface.plastic))
-        if surface.exponential_at_low_pressure:
+        if isinstance(surface, RoughContact) and surface.exponential_at_low_pressure:
             curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
     else:
         u0, p_c = exponential_law(result.case.interface, surface)

@@ -1,0 +1,108 @@
+"""Cautions about turned faces: few crests in the contact, and crests that are nearly sealed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, caution, fade_in
+from fem_seal.seal.leak_model import LeakModel
+from fem_seal.seal.load_result import LoadResult
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.profile import PressureProfile
+    from leak import TurnedContact
+
+# Crests in the full width at half maximum of a contact, below which it is asked which face is meant.
+_FEW_CRESTS = 3.0
+# Places of the first crest within a feed.
+_PHASES = 16
+# Share of the thread in the conductivity above which it does not matter how tight the crests are.
+_THREAD = 0.7
+# Factor that the place of the crests may make before it is reported.
+_REPORTED = 1.1
+
+
+def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    """Cautions about the leak rate between a turned face and a flat one.
+
+    Parameters
+    ----------
+    surface : TurnedContact
+    loads : sequence of LoadResult
+        At least one.
+    """
+    narrow = min(loads, key=lambda load: load.tightest.fwhm)
+    crests, factors = narrow.tightest.fwhm / surface.feed, crest_places(surface, narrow)
+    if crests < _FEW_CRESTS or factors.high > _REPORTED * factors.low:
+        yield caution(
+            "few_crests",
+            narrow,
+            loads,
+            leak_factor=fade_in(factors, 1.0),
+            outside=factors.high == math.inf,
+            is_reported=crests < _FEW_CRESTS,
+            crests=crests,
+            feed=surface.feed,
+        )
+    tight = max(loads, key=lambda load: load.peak_pressure)
+    if tight.peak_pressure <= surface.nearly_sealed_pressure:
+        return
+    leak, high = tight.leak, math.inf
+    if leak is not None and leak.leak_rate > 0.0 and tight.leak_before_sealing > 0.0:
+        high = max(tight.leak_before_sealing / leak.leak_rate, 1.0)
+    # what the thread lets through flows all the same
+    thread_share = float(surface.thread_share(tight.peak_pressure))
+    yield caution(
+        "crests_nearly_sealed",
+        tight,
+        loads,
+        leak_factor=Bounds(max(1.0 / ORDERS_OF_MAGNITUDE, thread_share), high),
+        is_reported=thread_share < _THREAD,
+        proven=thread_share >= _THREAD,
+        pressure=surface.nearly_sealed_pressure,
+        sealed=tight.peak_pressure >= surface.sealing_pressure,
+        times=high if high < ORDERS_OF_MAGNITUDE else None,
+    )
+
+
+def crest_places(surface: TurnedContact, load: LoadResult) -> Bounds:
+    """Factors on the leak rate between which the place of the crests in the contact leaves it.
+
+    The resistance of a contact is that of the crests in it, f/sigma(p) of each; the integral over x is its mean over
+    all places of the first one.
+
+    Parameters
+    ----------
+    surface : TurnedContact
+    load : LoadResult
+    """
+    if load.rough is None or load.rough.flow is None:
+        return Bounds(1.0, 1.0)
+    totals = np.zeros(_PHASES)
+    for land in load.profiles:
+        totals = totals + _resistances(surface, load.rough, land) if land.touches else totals
+    mean = float(totals.mean())
+    if not 0.0 < mean < math.inf:
+        return Bounds(1.0, 1.0)
+    least = float(totals.min())
+    return Bounds(mean / float(totals.max()), mean / least if least > 0.0 else math.inf)
+
+
+def _resistances(surface: TurnedContact, rough: LeakModel, land: PressureProfile) -> FloatArray:
+    """Of the crests on a land for each place of the first one, in any unit."""
+    assert rough.flow is not None and rough.table is not None  # of the caller
+    feed, x = surface.feed, land.x
+    table = rough.table.liquid
+    totals = []
+    for phase in range(_PHASES):
+        crests = np.arange(x[0] + phase / _PHASES * feed, x[-1], feed)
+        pressure = np.interp(crests, x, land.pressure)
+        pressure = pressure[pressure > 1e-6 * land.peak_pressure]
+        with np.errstate(divide="ignore"):
+            totals.append(float(np.sum(1.0 / np.asarray(table.conductivity(pressure, 1.0)))))
+    return np.array(totals)

@@ -1,0 +1,139 @@
+"""A case with a face as the tool leaves it: what is read, refused and calculated."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from places import EXAMPLES
+
+import fem_seal
+import leak
+from fem_seal.seal.findings import Level
+from fem_seal.seal.problem import rough_contact
+from fem_seal.validity.turned import crest_places
+
+FINE = {"rms_height": "0.1 um", "hurst": 0.8, "q_rolloff": "2.5e5 1/m", "q_high": "4e6 1/m"}
+TURNED = {"process": "turned", "feed": "0.1 mm", "nose_radius": "0.8 mm", "fine": FINE}
+
+
+def case_of(roughness: dict[str, Any], **changes: Any) -> fem_seal.Case:
+    base = fem_seal.load_case(EXAMPLES / "ball_cone.toml")
+    load = {"load.fluid_pressure": "20 bar", "load.applied_force": "2 kN", "leak.theory": "corrected"}
+    return base.replace({"roughness": roughness, **load, **changes})
+
+
+@cache
+def solved() -> fem_seal.SealResult:
+    """Many crests in a wide contact of a soft metal, in rings."""
+    face = {**TURNED, "feed": "0.05 mm", "nose_radius": "0.4 mm", "spiral": False}
+    return fem_seal.run(case_of({"seat": face}, **{"closure.radius": "200 mm"}), sensitivities=False)
+
+
+def test_keys_become_the_face_of_the_library():
+    surface = rough_contact(case_of({"seat": TURNED}))
+    assert isinstance(surface, leak.TurnedContact)
+    assert (surface.feed, surface.nose_radius) == pytest.approx((1e-4, 8e-4))
+    assert surface.hardness == pytest.approx(3.5e9)
+    # waves up to two feeds, and the groove is one thread through the circle of first touch
+    assert surface.fine.q_low == pytest.approx(math.pi / 1e-4)
+    assert surface.fine.rms_height == pytest.approx(1e-7)
+    assert surface.thread_radius == pytest.approx(20e-3 * math.sin(math.radians(45.0)))
+    rings = rough_contact(case_of({"seat": {**TURNED, "spiral": False}}))
+    assert isinstance(rings, leak.TurnedContact) and math.isinf(rings.thread_radius)
+
+
+def test_the_other_face_joins_the_fine_roughness():
+    alone, both = (
+        rough_contact(case_of({"seat": TURNED, **other})) for other in ({}, {"closure": "lapped Ra 0.1 um"})
+    )
+    closure = fem_seal.load_case(EXAMPLES / "ball_cone.toml").replace(
+        {"roughness": {"closure": "lapped Ra 0.1 um"}, "leak.theory": "corrected"}
+    )
+    lapped = rough_contact(closure)
+    assert alone is not None and both is not None and lapped is not None
+    heights = math.hypot(alone.spectrum.rms_height, lapped.spectrum.rms_height)
+    assert both.spectrum.rms_height == pytest.approx(heights, rel=1e-6)
+
+
+def test_fine_roughness_may_be_a_finish():
+    surface = rough_contact(case_of({"seat": {**TURNED, "fine": "ground Ra 0.1 um"}}))
+    assert isinstance(surface, leak.TurnedContact) and 1e-7 < surface.fine.rms_height < 2e-7
+
+
+@pytest.mark.parametrize(
+    ("roughness", "changes", "reason"),
+    [
+        ({"seat": {**TURNED, "hurst": 0.8}}, {}, "hurst, which describes a random surface"),
+        ({"seat": {**TURNED, "lay": "circular"}}, {}, "in a table fine"),
+        ({"seat": TURNED, "peklenik": 0.2}, {}, "peklenik"),
+        ({"seat": TURNED, "closure": TURNED}, {}, "a feed in both faces"),
+        (TURNED, {}, "a feed in both faces"),
+        ({"spectrum": TURNED}, {}, "belongs to one face"),
+        ({"seat": {**TURNED, "feed": "1 mm"}}, {}, "nose radius"),
+        ({"seat": {**TURNED, "feed": 0.1}}, {}, "feed"),
+        ({"seat": {key: TURNED[key] for key in ("process", "feed", "nose_radius")}}, {}, "fine"),
+        ({"seat": TURNED}, {"leak.theory": "paper"}, "leak.theory"),
+        ({"seat": TURNED}, {"leak.conductivity": "direct"}, "leak.conductivity"),
+        (
+            {"seat": TURNED},
+            {"form": {"lay": {"pitch": "0.1 mm", "depth": "1 um"}}},
+            "thread between the crests",
+        ),
+        ({"seat": TURNED}, {"interface.law": "exponential"}, "u0 nor p_c"),
+    ],
+)
+def test_what_does_not_fit_is_refused(roughness, changes, reason):
+    with pytest.raises(fem_seal.InputError, match=reason):
+        case_of(roughness, **changes)
+
+
+def test_leak_rate_is_that_of_crests_in_series():
+    """Resistance of each crest on the profile, f/sigma(p) over its circle, on average over the place of the first."""
+    (load,) = solved().loads
+    surface, (profile,) = solved().surface, load.profiles
+    assert isinstance(surface, leak.TurnedContact) and load.leak is not None
+    totals = []
+    for phase in np.arange(40) / 40.0:
+        x = np.arange(profile.x[0] + phase * surface.feed, profile.x[-1], surface.feed)
+        p, radius = np.interp(x, profile.x, profile.pressure), np.interp(x, profile.x, profile.radius)
+        sigma = surface.flow_conductivity(np.maximum(p, 1.0), 1.0016e-3)
+        totals.append(np.sum(surface.feed / (2.0 * math.pi * radius * sigma)))
+    assert load.leak.leak_rate == pytest.approx(load.fluid_pressure / np.mean(totals), rel=0.02)
+    places = crest_places(surface, load)
+    assert places.low == pytest.approx(np.mean(totals) / np.max(totals), rel=0.05)
+    assert places.high == pytest.approx(np.mean(totals) / np.min(totals), rel=0.05)
+
+
+def test_the_interval_has_the_error_of_the_theory():
+    (load,) = solved().loads
+    assert load.flow_error is not None and load.leak is not None
+    assert load.leak_interval is not None
+    low, high = load.leak_interval.low, load.leak_interval.high
+    assert low < load.leak.leak_rate < high
+    assert high / low > float(load.flow_error.factor(0.95) / load.flow_error.factor(0.05)) * 0.99
+
+
+def test_thread_leaks_beside_the_crests():
+    (load,) = solved().loads
+    case = solved().case.replace({"roughness.seat.spiral": True})
+    thread = fem_seal.run(case, sensitivities=False).loads[0]
+    assert load.leak is not None and thread.leak is not None
+    assert thread.leak.leak_rate > load.leak.leak_rate
+
+
+def test_few_crests_are_told():
+    (load,) = fem_seal.run(case_of({"seat": {**TURNED, "spiral": False}}), sensitivities=False).loads
+    found = [finding.entry for finding in load.validity.cautions]
+    assert "few_crests" in found and load.validity.level is not Level.VALID
+
+
+def test_nearly_sealed_crests_have_a_lower_and_an_upper_end():
+    surface = replace(solved().surface, hardness=1e9)
+    assert 0.0 < surface.nearly_sealed_pressure < surface.sealing_pressure
+    sigma = surface.flow_conductivity(surface.nearly_sealed_pressure, 1.0)
+    assert sigma < 1e-2 * surface.flow_conductivity(5e-3 * surface.contact_pressure, 1.0)
