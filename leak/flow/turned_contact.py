@@ -267,40 +267,19 @@ class TurnedContact:
             np.concatenate([self.contact_pressure * share[:0:-1], pressure]),
         )
 
-    def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
-        """Pressure of first loading that lets at least as much through as a place that once carried more.
-
-        Crests that an earlier load has flattened stand lower against the flat than at first loading. How much lower is
-        not calculated; first loading at the pressure itself is the safe side. A face pressed flat once stays so.
-
-        Parameters
-        ----------
-        pressure : array_like
-            Nominal pressure [Pa].
-        largest : array_like
-            Largest one that the place has carried [Pa].
-        """
-        p, top = np.broadcast_arrays(_checked(pressure), _checked(largest))
-        is_flat = (p > 0.0) & (top > p) & (top >= (math.inf if self.hardness is None else self.hardness))
-        return np.where(is_flat, top, p)
-
-    def mean_separation(self, pressure: ArrayLike, *, largest: ArrayLike | None = None) -> FloatArray | float:
+    def mean_separation(self, pressure: ArrayLike) -> FloatArray | float:
         """Mean gap over the nominal area, valleys included [m]; infinite without pressure.
 
         Parameters
         ----------
         pressure : array_like
             Nominal [Pa].
-        largest : array_like, optional
-            See `equivalent_first_loading_pressure` [Pa].
         """
-        p = self._first_loading(pressure, largest)
+        p = _checked(pressure)
         gap = np.where(p > 0.0, self._law.gap(np.log(np.maximum(p, _TINY))), np.inf)
         return float(gap) if gap.ndim == 0 else gap
 
-    def critical_separation(
-        self, pressure: ArrayLike, *, largest: ArrayLike | None = None
-    ) -> FloatArray | float:
+    def critical_separation(self, pressure: ArrayLike) -> FloatArray | float:
         """Gap that the largest particle passes which crosses the crests [m]; zero where none is left.
 
         At the highest of its openings each crest lets the largest through; the crest with the smallest such opening
@@ -311,10 +290,8 @@ class TurnedContact:
         ----------
         pressure : array_like
             Nominal [Pa].
-        largest : array_like, optional
-            See `equivalent_first_loading_pressure` [Pa].
         """
-        p, share = self._first_loading(pressure, largest), self._lost_share
+        p, share = _checked(pressure), self._lost_share
         gap = np.ones(p.shape)
         if share < 1.0:
             states = self._path
@@ -326,13 +303,6 @@ class TurnedContact:
         if share > 0.0:
             gap = gap * np.asarray(self._rough.critical_separation(p)) ** share
         return float(gap) if gap.ndim == 0 else gap
-
-    def _first_loading(self, pressure: ArrayLike, largest: ArrayLike | None) -> FloatArray:
-        return (
-            _checked(pressure)
-            if largest is None
-            else self.equivalent_first_loading_pressure(pressure, largest)
-        )
 
     @property
     def _lost_share(self) -> float:
@@ -410,7 +380,7 @@ class TurnedContact:
         own = _LOG_D + np.log(crests.liquid.separation / np.cbrt(total[: log_p.size]))[:, None]
         gas[: log_p.size] += across[: log_p.size, None] * np.exp(crests.log_flow_at(log_p)(own))
         table = ConductivityTable(pressure, np.cbrt(total), self.contact_pressure, self.contact_pressure)
-        return table.of_surface(self), np.log(gas / total[:, None]) - log_flow_factor(_LOG_D)
+        return table, np.log(gas / total[:, None]) - log_flow_factor(_LOG_D)
 
     @property
     def _winding(self) -> float:
@@ -483,7 +453,7 @@ class TurnedContact:
         opens = (u[0] - u[1]) / math.log(pressure[1] / pressure[0])
         pressure = np.concatenate([pressure[0] * np.exp(-steps), pressure])
         u = np.concatenate([u[0] + opens * steps, u])
-        return ConductivityTable(pressure, u, sealing, sealing).of_surface(self)
+        return ConductivityTable(pressure, u, sealing, sealing)
 
     @cached_property
     def _gas_table(self) -> GasConductivityTable:
@@ -526,9 +496,7 @@ class TurnedContact:
         crests = next(sealed, 1.1 * states[-1].pressure)
         return min(crests, self._rough.sealing_pressure) if share > 0.0 else crests
 
-    def effective_separation(
-        self, pressure: ArrayLike, method: str = "bruggeman", *, largest: ArrayLike | None = None
-    ) -> FloatArray | float:
+    def effective_separation(self, pressure: ArrayLike, method: str = "bruggeman") -> FloatArray | float:
         """u_eff = (12 eta sigma)^(1/3) across the crests [m], see `conductivity_table`.
 
         Parameters
@@ -536,11 +504,9 @@ class TurnedContact:
         pressure : array_like
             Nominal [Pa].
         method : {"bruggeman"}
-        largest : array_like, optional
-            See `equivalent_first_loading_pressure` [Pa].
         """
         self._check_table(1.0, 2.0, method)
-        return self._table.effective_separation(self._first_loading(pressure, largest))
+        return self._table.effective_separation(_checked(pressure))
 
     def flow_conductivity(
         self, pressure: ArrayLike, viscosity: float, method: str = "bruggeman"

@@ -243,7 +243,11 @@ def law_picture(result: SealSolution) -> Picture | None:
         for plastic in laws:
             name = f"p(u) of the {'yielded' if plastic else 'elastic'} surface"
             name = "p(u) of the turned face" if isinstance(surface, TurnedContact) else name
-            law = result.problem.law if isinstance(surface, TurnedContact) else surface.interface_law(plastic)
+            law = (
+                surface.interface_law(surface.hardness is not None)
+                if isinstance(surface, TurnedContact)
+                else surface.interface_law(plastic)
+            )
             gap = np.asarray(law.gap(np.log(p)))
             curves.append((name, gap, PURPLE if plastic else BLUE, plastic == interface.plastic))
         if isinstance(surface, RoughContact) and surface.exponential_at_low_pressure:
