@@ -448,11 +448,12 @@ class TurnedContact:
         if share > 0.0:
             rough = self._rough.conductivity_table(_LOWEST * sealing, self._rough.sealing_pressure)
             u = u ** (1.0 - share) * np.asarray(rough.effective_separation(pressure)) ** share
-        # before the first touch the gap opens as the law of the interface does, by so much for each factor of e
-        steps = np.arange(_BEFORE_TOUCH, 0, -1)
-        opens = (u[0] - u[1]) / math.log(pressure[1] / pressure[0])
-        pressure = np.concatenate([pressure[0] * np.exp(-steps), pressure])
-        u = np.concatenate([u[0] + opens * steps, u])
+        # before the first touch all gaps open as the law of the interface says, and then go on with ln p
+        before = pressure[0] * np.exp(-np.arange(_BEFORE_TOUCH, 0, -1))
+        wider = np.asarray(self.mean_separation(before)) - flowing[0].mean_gap
+        throats = [np.mean((flowing[0].least_gap + more) ** 2) for more in wider]
+        opened = np.cbrt(np.array(throats) / np.mean(flowing[0].least_gap ** 2))
+        pressure, u = np.concatenate([before, pressure]), np.concatenate([u[0] * opened, u])
         return ConductivityTable(pressure, u, sealing, sealing)
 
     @cached_property

@@ -400,15 +400,6 @@ def test_error_widens_towards_sealing_and_with_fewer_waves():
         face.flow_error(p, waves=0.0)
 
 
-def test_an_earlier_load_never_opens_crests():
-    face, p = steel(), np.array([1e6, 2e7])
-    for of in (face.critical_separation, face.mean_separation, face.effective_separation):
-        assert (of(p, largest=5e7) <= of(p)).all()
-        assert (of(p, largest=1e5) == of(p)).all()
-    table = face.conductivity_table(1e3, 1e9)
-    assert table.first_loading(np.log(p), np.log(5e7)) == pytest.approx(np.log(p), abs=1e-9)
-
-
 @pytest.mark.parametrize("face", [(1e-7, 8e-4, 3.5e9), (2e-8, 8e-4, 0.9e9), (2e-7, 6e-4, 5e9)])
 def test_steps_between_levels_leave_a_few_per_cent(face, monkeypatch):
     """Against levels half as far apart, solved to a twentieth."""
