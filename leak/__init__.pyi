@@ -57,7 +57,6 @@ from .flow.short_medium import ShortMedium as ShortMedium
 from .flow.short_medium import in_contact as in_contact
 from .flow.short_medium import short_medium as short_medium
 from .flow.short_medium import short_threshold as short_threshold
-from .flow.turned_contact import FaceContact as FaceContact
 from .flow.turned_contact import TurnedContact as TurnedContact
 from .fluids.contamination import Concentration as Concentration
 from .fluids.contamination import ParticleCounts as ParticleCounts

@@ -41,7 +41,8 @@ if TYPE_CHECKING:
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import LeakModel
     from fem_seal.seal.problem import SealProblem
-    from leak import FaceContact, FlowError, LeakResult
+    from leak import FlowError, LeakResult
+    from leak.flow.turned_contact import FaceContact
     from meshes import SealMesh
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +19,10 @@ from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.validity.checks import profile_validity
-from leak import FaceContact
 from meshes import ContactGeometry
+
+if TYPE_CHECKING:
+    from leak.flow.turned_contact import FaceContact
 
 # Radii of a profile that this program wrote are those of its seat up to the digits of the file.
 _SAME_RADIUS = 1e-7

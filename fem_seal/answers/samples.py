@@ -39,7 +39,8 @@ from leak import TurnedContact
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.materials import Material
-    from leak import FaceContact, PowerSpectrum
+    from leak import PowerSpectrum
+    from leak.flow.turned_contact import FaceContact
 
 # Leak rates of samples [m^3/s], or why there are none: by number of the sample, number of the load, and whether bodies
 # that yield have gone through all loads.

@@ -560,9 +560,14 @@ class Roughness(FinishKeys):
         return {key: spectrum for key, spectrum in self.parts.items() if isinstance(spectrum, FinishTable)}
 
     @property
+    def turned_faces(self) -> dict[str, TurnedFace]:
+        """Those of `parts` that are turned with a feed that is given, one at most."""
+        return {key: part for key, part in self.parts.items() if isinstance(part, TurnedFace)}
+
+    @property
     def turned_face(self) -> TurnedFace | None:
-        """The face that is turned with a feed that is given; None without one."""
-        return next((part for part in self.parts.values() if isinstance(part, TurnedFace)), None)
+        """The only one of `turned_faces`; None without one."""
+        return next(iter(self.turned_faces.values()), None)
 
     @property
     def is_measured(self) -> bool:

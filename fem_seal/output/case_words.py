@@ -194,7 +194,7 @@ def _numbers(table: FinishTable) -> dict[str, Any]:
 
 
 def finish_rows(case: Case) -> list[tuple[str, str]]:
-    """Rows of the finishes: name and value; equal faces are listed once.
+    """Rows of the finishes and of turned faces: name and value; equal finishes are listed once.
 
     Parameters
     ----------
@@ -206,11 +206,16 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
             name, names = part.label_of(key), faces.setdefault(table, [])
             names += [] if name in names else [name]
     alike = len(faces) == 1 and len(*faces.values()) > 1
-    return [
+    rows = [
         row
         for table, names in faces.items()
         for row in _rows(case.display, table, "each face" if alike else " and ".join(names))
     ]
+    for part in case.parts:
+        for key, face in ({} if part.roughness is None else part.roughness.turned_faces).items():
+            whose, texture = part.label_of(key), face.texture()
+            rows += worded_rows(case.display, "turned", whose=whose, face=face, texture=texture)
+    return rows
 
 
 def _rows(display: Display, table: FinishTable, whose: str) -> list[tuple[str, str]]:

@@ -77,7 +77,7 @@ def features_used(result: SealSolution) -> dict[str, bool]:
         "exponential law": case.interface.law == "exponential",
         "yielding bodies": result.unloaded_bodies is not None,
         "penetration": case.load.closing == "penetration",
-        "roughness": surface is not None,
+        "roughness": isinstance(surface, RoughContact),
         "measured roughness": roughness is not None and roughness.is_measured,
         "finish": roughness is not None and bool(roughness.finishes),
         "yielding asperities": surface is not None and surface.hardness is not None,

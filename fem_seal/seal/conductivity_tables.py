@@ -17,15 +17,19 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, Law, ScaledLaw
 from fem_seal.seal.leak_model import Conductivity, FlowModel, calculated_table
-from leak import FaceContact, GasConductivityTable, PowerSpectrum, RoughContact, TurnedContact
+from leak import GasConductivityTable, PowerSpectrum, RoughContact, TurnedContact
 from leak.flow.conductivity import AlikeTables
 from leak.numerics.curves import lagrange
+
+if TYPE_CHECKING:
+    from leak.flow.turned_contact import FaceContact
 
 # The surface that stands for all of its shape.
 _HEIGHT, _MODULUS = 1e-6, 1e11

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectSettings
     from leak import (
         ConductivityTable,
-        FaceContact,
         Gas,
         GasConductivityTable,
         Groove,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
         PressureLaw,
     )
     from leak.flow.leak_rate import Permeant
+    from leak.flow.turned_contact import FaceContact
 
 
 # A/A0 where direct simulations of the flow end, and up to the percolation threshold how much further it may be open.

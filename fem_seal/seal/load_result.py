@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from fem_seal.errors import Problem
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.problem import SealProblem
-    from leak import FaceContact, LeakResult
+    from leak import LeakResult
+    from leak.flow.turned_contact import FaceContact
 
 
 @dataclass(frozen=True, eq=False)

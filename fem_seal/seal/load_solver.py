@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.leak_model import Conductivity, FlowModel
-    from leak import FaceContact
+    from leak.flow.turned_contact import FaceContact
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,8 @@ if TYPE_CHECKING:
     from fem_seal.form import FormError
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.direct import DirectSettings
-    from leak import FaceContact, LeakResult
+    from leak import LeakResult
+    from leak.flow.turned_contact import FaceContact
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
 DEFAULT_GAMMA = 0.4

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from fem_seal.seal.leak_model import FlowModel, LeakModel
     from fem_seal.seal.load_result import LoadResult
     from fem_seal.seal.problem import SealProblem
-    from leak import FaceContact, Gas
+    from leak import Gas
+    from leak.flow.turned_contact import FaceContact
 
 
 TEST_GAS = "test gas"

@@ -26,11 +26,11 @@ from fem_seal.seal.leak_model import log_peaks as log_peaks_of
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_linearised, solve_path
 from fem_seal.seal.problem import SealProblem, condense_bodies, with_stop
-from leak import FaceContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.seal.circumference import Circumference
+    from leak.flow.turned_contact import FaceContact
 
 # Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
 _SOFT_CORE = 18.2

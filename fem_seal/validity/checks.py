@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import FlowModel
-    from leak import FaceContact
+    from leak.flow.turned_contact import FaceContact
 
 
 # Margin to opening over the acting force or pressure below which the contact force is a small difference of large ones.

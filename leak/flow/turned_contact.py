@@ -284,7 +284,8 @@ class TurnedContact:
 
         At the highest of its openings each crest lets the largest through; the crest with the smallest such opening
         stops it. Crests are known over some hundred waves of the fine roughness; a whole seal is longer and has a few
-        higher openings. Where the crests are lost in the roughness it crosses over as `flow_conductivity` does.
+        higher openings. Where the crests are lost in the roughness it crosses over as `flow_conductivity` does. Along a
+        thread what its valley lets pass goes through.
 
         Parameters
         ----------
@@ -302,6 +303,8 @@ class TurnedContact:
             gap = (gap + np.where(p < states[0].pressure, wider, 0.0)) ** (1.0 - share)
         if share > 0.0:
             gap = gap * np.asarray(self._rough.critical_separation(p)) ** share
+        if self._has_thread:
+            gap = np.maximum(gap, self.valley_gaps(p).max(axis=-1))
         return float(gap) if gap.ndim == 0 else gap
 
     @property

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.units import Display
-    from leak import FaceContact, HeightMap, LineScan, MeasuredSurface, TurnedScan
+    from leak import HeightMap, LineScan, MeasuredSurface, TurnedScan
 
 # Fractions below this share of the nominal area are not drawn.
 _SMALLEST_AREA = 1e-7
@@ -81,7 +81,9 @@ def separation_picture(result: SealSolution) -> Picture | None:
     )
 
 
-def _total_areas(axes: Axes, surface: FaceContact, p: FloatArray, peaks: FloatArray, unit: float) -> None:
+def _total_areas(
+    axes: Axes, surface: RoughContact | TurnedContact, p: FloatArray, peaks: FloatArray, unit: float
+) -> None:
     axes.plot(
         p / unit,
         np.asarray(surface.contact_area(p)),
@@ -165,13 +167,15 @@ def _hide_small_areas(area: FloatArray) -> FloatArray:
     return np.where(area > 0.1 * _SMALLEST_AREA, area, np.nan)
 
 
-def draw_spectrum(axes: Axes, surface: FaceContact, peak: float, above: float = 0.55) -> None:
+def draw_spectrum(
+    axes: Axes, surface: RoughContact | TurnedContact, peak: float, above: float = 0.55
+) -> None:
     """The power spectrum, and what yielding asperities leave of it under a pressure.
 
     Parameters
     ----------
     axes : Axes
-    surface : FaceContact
+    surface : RoughContact or TurnedContact
     peak : float
         Pressure [Pa].
     above : float
@@ -196,7 +200,7 @@ def draw_spectrum(axes: Axes, surface: FaceContact, peak: float, above: float = 
     label(axes, "Power spectrum of the roughness", *names, log="xy", above=above)
 
 
-def _spectrum_points(surface: FaceContact) -> FloatArray:
+def _spectrum_points(surface: RoughContact | TurnedContact) -> FloatArray:
     """Wavenumbers that show every kink of the spectrum."""
     spectrum = surface.spectrum
     q = np.geomspace(spectrum.q_low, spectrum.q_high, 160)

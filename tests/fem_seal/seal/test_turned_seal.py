@@ -118,6 +118,16 @@ def test_the_interval_has_the_error_of_the_theory():
     assert high / low > float(load.flow_error.factor(0.95) / load.flow_error.factor(0.05)) * 0.99
 
 
+def test_report_tells_the_face_and_its_theory(tmp_path):
+    from fem_seal.output.case_words import finish_rows
+
+    rows = dict(finish_rows(solved().case))
+    assert rows["finish of seat"].startswith("turned, feed 50 µm, nose radius 0.4 mm")
+    text = solved().write(tmp_path).joinpath("report.html").read_text(encoding="utf-8")
+    assert "of turned faces: crests in series" in text and "p(u) of the turned face" in text
+    assert "turned, feed" in text and "Bruggeman" not in text
+
+
 def test_thread_leaks_beside_the_crests():
     (load,) = solved().loads
     case = solved().case.replace({"roughness.seat.spiral": True})
