@@ -42,8 +42,8 @@ _CLOSED = 0.02
 _LOST = (0.13, 0.39)
 # Of the range of its table where the face is its fine roughness, the lowest pressure over the sealing pressure.
 _LOWEST = 1e-8
-# Pressures of a table below the first touch.
-_BEFORE_TOUCH = 3
+# Pressures of a table below the first touch, beyond the sealing of crests that are half lost, where no levels serve.
+_BEFORE_TOUCH, _BEYOND, _NOMINAL = 3, 8, 200
 # Share of the nominal area that touches where direct simulations begin, and what is left of the conductivity there in a
 # face that is nearly sealed.
 _BEARS, _NEARLY = 5e-3, 3e-3
@@ -365,12 +365,15 @@ class TurnedContact:
 
         The thread stays open until the crests are pressed flat.
         """
-        crests = self._gas_table
-        beyond = np.array(
-            [state.pressure for state in self._path if state.pressure > crests.liquid.pressure[-1]]
-        )
-        pressure = np.concatenate([crests.liquid.pressure, beyond])
-        across = np.concatenate([crests.liquid.separation**3, np.zeros(beyond.size)])
+        crests, sealing = self._gas_table, self.sealing_pressure
+        # where the roughness takes part the table is steep, or asked at other pressures than the nominal ones
+        crossover = np.geomspace(_LOWEST * sealing, sealing, _NOMINAL)
+        known = crossover if self._lost_share > 0.0 else crests.liquid.pressure
+        own_u = crests.liquid.at_log_pressure(np.log(known))
+        known, own_u = known[own_u > 0.0], own_u[own_u > 0.0]
+        beyond = np.array([state.pressure for state in self._path if state.pressure > known[-1]])
+        pressure = np.concatenate([known, beyond])
+        across = np.concatenate([own_u**3, np.zeros(beyond.size)])
         valleys = self.valley_gaps(pressure)
         total = across + self._winding * np.mean(valleys**3, axis=1)
         gas = np.empty((pressure.size, _LOG_D.size))
@@ -379,9 +382,9 @@ class TurnedContact:
             factor = np.exp(log_flow_factor(_LOG_D[:, None] + np.log(deep / u)))
             gas[row] = self._winding * (factor @ deep**3) / gaps.size
         # the same gas has another inverse Knudsen number in the effective gap of the crests alone
-        log_p = np.log(crests.liquid.pressure)[:, None]
-        own = _LOG_D + np.log(crests.liquid.separation / np.cbrt(total[: log_p.size]))[:, None]
-        gas[: log_p.size] += across[: log_p.size, None] * np.exp(crests.log_flow_at(log_p)(own))
+        own = _LOG_D + np.log(own_u / np.cbrt(total[: known.size]))[:, None]
+        flow = np.exp(crests.log_flow_at(np.log(known)[:, None])(own))
+        gas[: known.size] += across[: known.size, None] * flow
         table = ConductivityTable(pressure, np.cbrt(total), self.contact_pressure, self.contact_pressure)
         return table, np.log(gas / total[:, None]) - log_flow_factor(_LOG_D)
 
@@ -426,9 +429,10 @@ class TurnedContact:
 
         Of what it is where half a hundredth of the face touches, as it does at first in the direct simulations.
         """
-        nearly = _NEARLY * self.flow_conductivity(_BEARS * self.contact_pressure, 1.0 / 12.0)
-        nearly_sealed = (state.pressure for state in self._path if state.gap_cubed <= nearly)
-        return min(next(nearly_sealed, math.inf), self.sealing_pressure)
+        start, sealing = _BEARS * self.contact_pressure, self.sealing_pressure
+        pressure = np.geomspace(min(start, 0.5 * sealing), sealing, _NOMINAL)
+        sigma = np.asarray(self.flow_conductivity(pressure, 1.0))
+        return float(pressure[np.argmax(sigma <= _NEARLY * sigma[0])])
 
     def _check_table(self, p_min: float, p_max: float, method: str) -> None:
         low, high = (
@@ -449,6 +453,10 @@ class TurnedContact:
         pressure = np.array([state.pressure for state in flowing])
         u = np.cbrt([state.gap_cubed for state in flowing])
         if share > 0.0:
+            # crests that are sealed by themselves still take part in the crossover, by what they were sealed at
+            more = np.geomspace(pressure[-1], sealing, _BEYOND + 2)[1:-1]
+            u = np.concatenate([u, np.full(_BEYOND, np.cbrt(_SEALED * self._path[0].gap_cubed))])
+            pressure = np.concatenate([pressure, more])
             rough = self._rough.conductivity_table(_LOWEST * sealing, self._rough.sealing_pressure)
             u = u ** (1.0 - share) * np.asarray(rough.effective_separation(pressure)) ** share
         # before the first touch all gaps open as the law of the interface says, and then go on with ln p
@@ -465,8 +473,8 @@ class TurnedContact:
         if share == 1.0:
             return gas_conductivity_table(self._rough, _LOWEST * sealing, sealing)
         log_u = np.log(liquid.separation[_BEFORE_TOUCH:])
-        flows = np.stack([_log_gas_flow(*pair) for pair in zip(self._flowing, log_u, strict=True)])
-        flows = np.concatenate([np.repeat(flows[:1], _BEFORE_TOUCH, axis=0), flows])
+        flows = np.stack([_log_gas_flow(*pair) for pair in zip(self._flowing, log_u, strict=False)])
+        flows = np.pad(flows, ((_BEFORE_TOUCH, _BEYOND if share > 0.0 else 0), (0, 0)), mode="edge")
         if share > 0.0:
             top = self._rough.sealing_pressure
             rough, log_p = (
@@ -498,7 +506,8 @@ class TurnedContact:
         states = self._path
         sealed = (state.pressure for state in states if state.gap_cubed <= _SEALED * states[0].gap_cubed)
         crests = next(sealed, 1.1 * states[-1].pressure)
-        return min(crests, self._rough.sealing_pressure) if share > 0.0 else crests
+        rough = self._rough.sealing_pressure
+        return min(crests ** (1.0 - share) * rough**share, rough) if share > 0.0 else crests
 
     def effective_separation(self, pressure: ArrayLike, method: str = "bruggeman") -> FloatArray | float:
         """u_eff = (12 eta sigma)^(1/3) across the crests [m], see `conductivity_table`.

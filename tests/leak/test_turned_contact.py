@@ -234,6 +234,28 @@ def test_gap_opens_without_end_before_the_first_touch(feed):
     assert opens == pytest.approx(opens[0], rel=0.02) and opens[0] > 0.1 * 1e-7 / 8.0
 
 
+@pytest.mark.parametrize("rms", [2.5e-7, 1e-6])
+def test_thread_is_added_to_crests_that_are_lost_in_the_roughness(rms):
+    """Half lost, and lost: the table of the roughness is asked at other pressures than the nominal ones."""
+    rings = turned(fine=fine(rms))
+    thread = replace(rings, thread_radius=1e-3)
+    p = np.geomspace(1e6, 0.5 * rings.sealing_pressure, 5)
+    both = rings.flow_conductivity(p, 1e-3) + rings.spiral_conductivity(p, 1e-3, 1e-3)
+    assert thread.conductivity_table(1e5, 1e9).conductivity(p, 1e-3) == pytest.approx(both, rel=5e-3)
+    assert thread.nearly_sealed_pressure == rings.nearly_sealed_pressure < rings.sealing_pressure
+
+
+def test_sealing_crosses_over_without_a_step():
+    """From crests to the fine roughness alone: neighbours seal at neighbouring pressures."""
+    heights = np.geomspace(1.9e-7, 6.5e-7, 14)
+    faces = [turned(fine=fine(rms)) for rms in heights]
+    sealing = np.array([face.sealing_pressure for face in faces])
+    assert np.abs(np.diff(np.log(sealing))).max() < 0.5
+    for face in faces:
+        sigma = face.flow_conductivity(np.array([0.5, 0.9, 0.999]) * face.sealing_pressure, 1e-3)
+        assert (np.diff(sigma) < 0.0).all() and sigma[0] > 0.0
+
+
 def test_thread_is_added_to_the_crests_for_liquids_and_gases():
     rings, thread = steel(), replace(steel(), thread_radius=5e-3)
     p = np.array([20e6, 60e6])
