@@ -133,7 +133,7 @@ def test_turned_face_is_named_with_the_keys_of_its_texture(call, tmp_path):
     assert re.search(
         r"turned +feed (0\.100 mm|100\.\d µm), nose radius 0\.[78]\d* mm, crests 1\.5\d µm high", out
     )
-    assert '[roughness] process = "turned", feed = "0.1 mm", nose_radius = "0.' in out
+    assert '[roughness.seat] process = "turned", feed = "0.1 mm", nose_radius = "0.' in out
     assert (tmp_path / "out" / "turned.svg").read_bytes().startswith(b"<?xml")
     numbers = json.loads((tmp_path / "out" / "surface.json").read_text())["turned"]
     assert numbers["feed_m"] == pytest.approx(1e-4, rel=5e-3)
