@@ -447,7 +447,10 @@ class TurnedFace(Table):
             raise ValueError(problem("random_and_feed", key=of_random[0]))
         fine = entries.get("fine")
         if isinstance(fine, str):
-            return {**entries, "fine": read_finish(fine)}
+            try:
+                return {**entries, "fine": read_finish(fine)}
+            except ValueError as error:
+                raise ValueError(f"fine, {show(fine)}, {error}") from None
         if isinstance(fine, Mapping) and is_finish(fine):
             return {**entries, "fine": {**fine, "kind": "finish"}}
         return entries

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, caution, fade_in
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, caution
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 
@@ -43,7 +43,7 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
             "few_crests",
             narrow,
             loads,
-            leak_factor=fade_in(factors, 1.0),
+            leak_factor=factors,
             outside=factors.high == math.inf,
             is_reported=crests < _FEW_CRESTS,
             crests=crests,

@@ -161,11 +161,6 @@ class TurnedContact:
         return False
 
     @property
-    def latest_sealing_pressure(self) -> float:
-        """The largest `sealing_pressure` of all its readings [Pa]."""
-        return self.sealing_pressure
-
-    @property
     def contact_pressure(self) -> float:
         """Mean pressure where a crest touches: of elastic sides E* m'/2, limited by the hardness [Pa].
 

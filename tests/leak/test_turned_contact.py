@@ -350,7 +350,7 @@ def test_table_is_what_the_face_conducts(rms):
     p = np.geomspace(1e4, 1e8, 20)
     table = face.conductivity_table(1e3, 1e9, num=12)
     assert table.at(1e-3)(p) == pytest.approx(face.flow_conductivity(p, 1e-3), rel=1e-12)
-    assert table.effective_separation(1.001 * face.latest_sealing_pressure) == 0.0
+    assert table.effective_separation(1.001 * face.sealing_pressure) == 0.0
     assert table.liquid is face.gas_conductivity_table(1e3, 1e9).liquid
     with pytest.raises(leak.ConductivityError, match="method"):
         face.conductivity_table(1e3, 1e9, method="critical-junction")

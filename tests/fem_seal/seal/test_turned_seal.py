@@ -77,6 +77,7 @@ def test_fine_roughness_may_be_a_finish():
         ({"seat": {**TURNED, "feed": "1 mm"}}, {}, "nose radius"),
         ({"seat": {**TURNED, "feed": 0.1}}, {}, "feed"),
         ({"seat": {key: TURNED[key] for key in ("process", "feed", "nose_radius")}}, {}, "fine"),
+        ({"seat": {**TURNED, "fine": "shiny"}}, {}, 'fine, "shiny", is no finish'),
         ({"seat": TURNED}, {"leak.theory": "paper"}, "leak.theory"),
         ({"seat": TURNED}, {"leak.conductivity": "direct"}, "leak.conductivity"),
         (
