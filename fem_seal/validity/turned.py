@@ -57,13 +57,14 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
         high = max(tight.leak_before_sealing / leak.leak_rate, 1.0)
     # what the thread lets through flows all the same
     thread_share = float(surface.thread_share(tight.peak_pressure))
+    matters = thread_share < _THREAD or high > 1.0 / _THREAD
     yield caution(
         "crests_nearly_sealed",
         tight,
         loads,
         leak_factor=Bounds(max(1.0 / ORDERS_OF_MAGNITUDE, thread_share), high),
-        is_reported=thread_share < _THREAD,
-        proven=thread_share >= _THREAD,
+        is_reported=matters,
+        proven=not matters,
         pressure=surface.nearly_sealed_pressure,
         sealed=tight.peak_pressure >= surface.sealing_pressure,
         times=high if high < ORDERS_OF_MAGNITUDE else None,
