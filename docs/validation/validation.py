@@ -27,8 +27,8 @@ FILE = FOLDER.parent / "verification" / "validation.md"
 # Stored predictions: their calculation takes minutes, writing the page takes seconds.
 PREDICTIONS = FOLDER / "predictions.json"
 TEMPLATE = "template.toml"
-# Readings of yielding asperities by theory; the corrected one has a single reading in the column of the leak rate.
-_READINGS = {"corrected": ("",), "paper": ("conserved", "capped")}
+# Readings of yielding asperities that the paper's theory has; others have a single one in the column of the leak rate.
+_READINGS = {"paper": ("conserved", "capped")}
 
 
 def read(path: Path) -> Experiment:
@@ -52,15 +52,16 @@ def predict(experiment: Experiment, theory: str) -> list[Prediction]:
     Parameters
     ----------
     experiment : Experiment
-    theory : {"paper", "corrected"}
-        Of the rough contact.
+    theory : {"paper", "corrected", "turned"}
+        One of its own.
     """
     values = [Expression(one.value) for one in experiment.observed]
     found: list[list[float]] = [[] for _ in values]
     refused = ""
     for corner in experiment.corners():
         try:
-            case = Case(**experiment.case).replace({**corner, "leak.theory": theory})
+            of_rough = {"leak.theory": theory} if theory != "turned" else {}
+            case = Case(**experiment.case).replace({**corner, **of_rough})
         except InputError as error:
             return [Prediction(None, None, f"this version cannot read the case: {error}") for _ in values]
         readings, reasons = _numbers(case, values, experiment.surface_only)
@@ -88,7 +89,7 @@ def _numbers(
         return _of_surfaces(case), ""
     asked = {name for value in values for name in value.names}
     columns = {name.rpartition("_at_")[0] for name in asked}
-    readings = {f"leak_rate_{one}_m3_per_s": {} for one in _READINGS[case.leak.theory]}
+    readings = {f"leak_rate_{one}_m3_per_s": {} for one in _READINGS.get(case.leak.theory, ("",))}
     wanted = (*columns, *readings)
     reasons: list[str] = []
     for number, (pressure, force) in enumerate(case.load.points, start=1):
@@ -149,7 +150,11 @@ def update(everything: bool) -> None:
         )
         if entry is None or entry["sha256"] != digest(path) or refused:
             print(path.name, flush=True)
-            found = {theory: [one.__dict__ for one in predict(read(path), theory)] for theory in _READINGS}
+            experiment = read(path)
+            found = {
+                theory: [one.__dict__ for one in predict(experiment, theory)]
+                for theory in experiment.theories
+            }
             entry = {"sha256": digest(path), "predictions": found}
         fresh[path.name] = entry
         PREDICTIONS.write_text(json.dumps({**known, **fresh}, indent=1) + "\n", encoding="utf-8")
@@ -161,7 +166,7 @@ def show(path: Path) -> None:
     """Print the verdict on a file of the user's own."""
     experiment = read(path)
     print(experiment.title)
-    for theory in _READINGS:
+    for theory in experiment.theories:
         for observed, prediction in zip(experiment.observed, predict(experiment, theory), strict=True):
             word, why = verdict(observed, prediction)
             ends = f"{prediction.low} to {prediction.high}"

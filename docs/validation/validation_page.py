@@ -19,9 +19,9 @@ HEAD = """\
 ones. Each experiment is a file in `docs/validation/`: an ordinary case, ranges for the inputs that the report does not
 give, and the measured values. Both theories of the rough contact predict an interval: the least and the largest value
 over all corners of the inputs not reported, and in the paper's theory over both readings of yielding asperities
-(`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). **Nothing is fitted.** The corners are assumptions,
-stated in the files; they were chosen before the comparison, from usual values for the finish and the material, and not
-changed afterwards.
+(`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). Turned faces have their own theory, that of
+[crests](../theory/turned.md). **Nothing is fitted.** The corners are assumptions, stated in the files; they were chosen
+before the comparison, from usual values for the finish and the material, and not changed afterwards.
 
 - **inside**: the interval of the prediction and that of the measurement overlap. The width of the prediction
   is given, too: a prediction that spans decades is easily inside.
@@ -144,6 +144,12 @@ class Experiment:
             **about,
         )
 
+    @property
+    def theories(self) -> tuple[str, ...]:
+        """Those that predict it: of turned faces that of their crests, else both of the rough contact."""
+        faces = [face for face in self.case.get("roughness", {}).values() if isinstance(face, Mapping)]
+        return ("turned",) if any("feed" in face for face in faces) else ("corrected", "paper")
+
     def corners(self) -> list[dict[str, Any]]:
         """Changes of the case: every combination within each table of scenarios; a single empty one without tables."""
         found: list[dict[str, Any]] = []
@@ -190,7 +196,7 @@ def _times(span: float) -> str:
 
 # Predictions of each theory for each observation of an experiment.
 ByTheory = Mapping[str, Sequence[Prediction]]
-_NAMES = {"corrected": "corrected theory", "paper": "paper's theory"}
+_NAMES = {"corrected": "corrected theory", "paper": "paper's theory", "turned": "crests of turned faces"}
 
 
 def page(experiments: Sequence[Experiment], predictions: Mapping[str, ByTheory]) -> str:
@@ -219,10 +225,10 @@ def _summary(experiments: Sequence[Experiment], predictions: Mapping[str, ByTheo
     for experiment in experiments:
         anchor = "".join(c for c in experiment.title.lower().replace(" ", "-") if c.isalnum() or c == "-")
         unknown = experiment.not_reported.partition(". ")[0].partition(";")[0].rstrip(".")
-        for theory, name in _NAMES.items():
+        for theory in experiment.theories:
             found = [word for _, _, word, _ in _judged(experiment, predictions, theory)]
             counts = " | ".join(str(found.count(word)) for word in (INSIDE, OUTSIDE, NOT_DECIDABLE))
-            yield f"| [{experiment.title}](#{anchor}) | {name} | {counts} | {unknown} |"
+            yield f"| [{experiment.title}](#{anchor}) | {_NAMES[theory]} | {counts} | {unknown} |"
             unknown = ""
     yield ""
 
@@ -234,12 +240,12 @@ def _sections(experiments: Sequence[Experiment], predictions: Mapping[str, ByThe
         yield f"Reported: {experiment.reported}\n"
         yield f"Not reported: {experiment.not_reported} ({len(experiment.corners())} corners.)\n"
         yield "| what | measured | theory | predicted | verdict | why |\n|---|---|---|---|---|---|"
-        by_theory = [_judged(experiment, predictions, theory) for theory in _NAMES]
+        by_theory = [_judged(experiment, predictions, theory) for theory in experiment.theories]
         for each in zip(*by_theory, strict=True):
-            for name, (observed, prediction, word, why) in zip(_NAMES.values(), each, strict=True):
+            for theory, (observed, prediction, word, why) in zip(experiment.theories, each, strict=True):
                 measured = "–" if observed.missing else _interval(observed.low, observed.high)
                 predicted = _interval(prediction.low, prediction.high)
-                yield f"| {observed.what} | {measured} | {name} | {predicted} | **{word}** | {why} |"
+                yield f"| {observed.what} | {measured} | {_NAMES[theory]} | {predicted} | **{word}** | {why} |"
         yield ""
         if any(one.taken for one in experiment.observed):
             yield "How the numbers were taken from the report:\n"

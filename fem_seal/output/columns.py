@@ -19,7 +19,7 @@ from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.files import own_tables
-from fem_seal.seal.load_result import MissingLoad
+from fem_seal.seal.load_result import LoadResult, MissingLoad
 from fem_seal.seal.scenarios import force_column, leak_rate_column
 from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, format_digits, split_unit, trim_zeros
 
@@ -219,6 +219,18 @@ def _line_load_for_target(load: CaseLoad) -> float | None:
     return None if force is None else load.contact.model.line_load(force)
 
 
+def _across_crests(load: CaseLoad) -> float | None:
+    """Leak rate without the thread of a turned face, in the mean of two different faces [m^3/s]."""
+    leaks = [
+        LoadResult(*part.point, part.contact, part.rough.without_thread, part.circumference).leak
+        for part in load.parts
+        if part.rough is not None
+    ]
+    rates = [flow.leak_rate for flow in leaks if flow is not None]
+    # the tables of both are points on smooth curves, and the thread takes nothing away
+    return min(sum(rates) / len(rates), load.leak.leak_rate) if rates and load.leak is not None else None
+
+
 def _entry(path: str, place: int, load: CaseLoad) -> float | None:
     """A number of the pair at the end of a path."""
     pair = _follow(path, load)
@@ -250,6 +262,7 @@ _OF: dict[str, Callable[[CaseLoad], float | None]] = {
     "leak_rate_round_m3_per_s": lambda load: (
         None if load.circumference is None else _follow("leak_round.leak_rate", load)
     ),
+    "leak_rate_crests_m3_per_s": _across_crests,
     "leak_rate_scratches_low_m3_per_s": partial(_entry, "around.scratches", 0),
     "leak_rate_scratches_high_m3_per_s": partial(_entry, "around.scratches", 1),
     "leak_rate_least_preload_m3_per_s": partial(_entry, "at_preload_ends", -1),
@@ -269,6 +282,15 @@ _CONDITIONS: dict[str, tuple[Callable[[CaseTables], object], str]] = {
     ),
     "a gas in [fluid]": (lambda case: case.fluid and case.fluid.gas, "fluid.name"),
     "a liquid in [fluid]": (lambda case: case.fluid and not case.fluid.gas, "fluid.name"),
+    "a thread between crests": (
+        lambda case: any(
+            face.spiral
+            for part in case.parts
+            if part.roughness
+            for face in part.roughness.turned_faces.values()
+        ),
+        "spiral",
+    ),
     "fluid.density": (lambda case: case.fluid and case.fluid.density, "fluid."),
     "stress_strain of a material": (curves, "material"),
     "load.applied_force < 0": (

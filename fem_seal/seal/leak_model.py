@@ -552,6 +552,14 @@ class LeakModel:
         """Flow conductivity of the surface; None without a fluid."""
         return None if self.flow is None else self.make(self.flow, self.surface)
 
+    @property
+    def without_thread(self) -> LeakModel:
+        """The same whose turned face has rings; itself where no thread leads through the contact."""
+        surface = self.surface
+        if not isinstance(surface, leak.TurnedContact):
+            return self
+        return replace(self, surface=surface.rings)
+
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult | None:
         """Leak of one of the contacts; None without a fluid.
 

@@ -190,10 +190,10 @@ class TurnedContact:
 
     @property
     def _path(self) -> tuple[_State, ...]:
-        return _load(self._rings)
+        return _load(self.rings)
 
     @property
-    def _rings(self) -> TurnedContact:
+    def rings(self) -> TurnedContact:
         """The same crests without a way along the thread."""
         return replace(self, thread_radius=math.inf) if self._has_thread else self
 

@@ -192,6 +192,38 @@ def test_stored_predictions_are_those_of_this_version():
                 assert (one.low, one.high) == pytest.approx((entry["low"], entry["high"]), rel=1e-3)
 
 
+def test_turned_faces_have_one_theory_of_their_own():
+    face = {"process": "turned", "feed": "50 um", "nose_radius": "0.2 mm"}
+    found = experiment(
+        case={"roughness": {"seat": face, "closure": "lapped Ra 0.1 um"}},
+        observed=[{"what": "one", "value": "x", "low": 1.0, "high": 2.0}],
+    )
+    assert experiment().theories == ("corrected", "paper") and found.theories == ("turned",)
+    text = page([found], {"t.toml": {"turned": [Prediction(0.0, 1.5)]}})
+    assert "| [t](#t) | crests of turned faces | 1 | 0 | 0 |" in text
+    assert "| one | 1 to 2 | crests of turned faces | 0 to 1.5 | **inside** |" in text
+    assert "paper's theory |" not in text
+
+
+def test_the_turned_flange_seals_across_its_grooves_and_leaks_along_them():
+    """At 50 MPa in the corner of a coarse groove, fine roughness and annealed copper; nothing is fitted to it."""
+    found = validation.read(validation.FOLDER / "matsuzaki_2006_turned_flange.toml")
+    ratio, radial = found.observed[:2]
+    (corner,) = [
+        one
+        for one in found.corners()
+        if {"0.2 mm", "0.2 um", "0.5 GPa"} <= {value for value in one.values() if isinstance(value, str)}
+    ]
+    case = fem_seal.Case(**found.case).replace(corner)
+    # the depth of the groove is that of the corner
+    texture = case.roughness.turned_face.texture()
+    assert texture.crest_height == pytest.approx(10e-6, rel=1e-9)
+    values = [Expression(one.value) for one in (ratio, radial)]
+    ((numbers,), refused) = validation._numbers(case, values, False)
+    across, total = numbers["leak_rate_crests_m3_per_s_at_2"], numbers["leak_rate_m3_per_s_at_2"]
+    assert refused == "" and across < radial.high < total and across < ratio.high * (total - across)
+
+
 def test_the_page_has_every_verdict():
     found = experiment(
         observed=[

@@ -13,6 +13,7 @@ from places import EXAMPLES
 
 import fem_seal
 import leak
+from fem_seal.output.columns import COLUMNS, columns_of
 from fem_seal.seal.findings import Level
 from fem_seal.seal.problem import rough_contact
 from fem_seal.validity.turned import crest_places
@@ -132,9 +133,14 @@ def test_report_tells_the_face_and_its_theory(tmp_path):
 def test_thread_leaks_beside_the_crests():
     (load,) = solved().loads
     case = solved().case.replace({"roughness.seat.spiral": True})
-    thread = fem_seal.run(case, sensitivities=False).loads[0]
+    result = fem_seal.run(case, sensitivities=False)
+    thread = result.loads[0]
     assert load.leak is not None and thread.leak is not None
     assert thread.leak.leak_rate > load.leak.leak_rate
+    # across the crests it is the same, and of rings there is no other way
+    crests = COLUMNS["leak_rate_crests_m3_per_s"]
+    assert crests.number(thread) == pytest.approx(load.leak.leak_rate, rel=1e-6)
+    assert crests in columns_of(case) and crests not in columns_of(solved().case)
 
 
 def test_few_crests_are_told():
