@@ -23,8 +23,9 @@ from leak.theory.interface_law import TabulatedLaw
 from leak.theory.own_error import FlowError
 from leak.theory.plasticity import Reading
 
-# Places along a piece of crest, pieces, and points in the shortest wave of the fine roughness.
-_PLACES, _PIECES, _POINTS_PER_WAVE, _SEED = 1024, 8, 4, 1
+# Places along a piece of crest, pieces, feeds that a piece is long at least, and points in the shortest wave of the fine
+# roughness on it.
+_PLACES, _PIECES, _LEAST_FEEDS, _POINTS_PER_WAVE, _SEED = 1024, 8, 4, 4, 1
 # A crest is known so many rms heights down its sides, and so many points at least.
 _DEPTH, _LEAST_POINTS = 12.0, 16
 # Rms heights of the tops between two levels of the flat, and where it begins above their mean.
@@ -171,18 +172,25 @@ class TurnedContact:
         K. L. Johnson, Contact mechanics (1985), sec. 5.2, of an elastic wedge. Its pressure and the hardness are joined
         by the square of their inverses, as elastic edges remain around what has yielded.
         """
-        slope = math.hypot(self.texture.side_slope, self.fine.rms_slope / math.sqrt(2.0))
+        slope = math.hypot(self.texture.side_slope, self._resolved.rms_slope / math.sqrt(2.0))
         elastic = 0.5 * self.effective_modulus * slope
         return elastic if self.hardness is None else 1.0 / math.hypot(1.0 / elastic, 1.0 / self.hardness)
 
     @cached_property
+    def _resolved(self) -> PowerSpectrum:
+        """Fine roughness without waves that are short beside the feed, as direct simulations have it."""
+        shortest = _POINTS_PER_WAVE * _LEAST_FEEDS * self.feed / _PLACES
+        cut = max(2.0 * math.pi / shortest, 2.0 * self.fine.q_low)
+        return self.fine if self.fine.q_high <= cut * (1.0 + 1e-9) else self.fine.between(self.fine.q_low, cut)
+
+    @property
     def lines(self) -> CrestLines:
         """Pieces of its crests, from one random map of the fine roughness."""
-        texture, fine = self.texture, self.fine
+        texture, fine = self.texture, self._resolved
         spacing = 2.0 * math.pi / fine.q_high / _POINTS_PER_WAVE
         reach = min(0.5 * self.feed, _LEAST_POINTS * spacing + _DEPTH * fine.rms_height / texture.side_slope)
         across = np.arange(-int(reach / spacing), int(reach / spacing) + 1)
-        heights = random_map(fine, size=_PLACES * spacing, points=_PLACES, seed=_SEED)
+        heights = _heights_of(fine, spacing)
         middles = np.arange(_PIECES) * (_PLACES // _PIECES)
         cusp = texture.depth_at(np.abs(across) * spacing)
         pieces = np.stack([heights[:, (middle + across) % _PLACES] - cusp for middle in middles])
@@ -598,7 +606,13 @@ class TurnedContact:
         return float(sigma) if sigma.ndim == 0 else sigma
 
 
-@lru_cache(maxsize=256)
+# crests that yield and those that do not are of one roughness
+@lru_cache(maxsize=1)
+def _heights_of(fine: PowerSpectrum, spacing: float) -> FloatArray:
+    return random_map(fine, size=_PLACES * spacing, points=_PLACES, seed=_SEED)
+
+
+@lru_cache(maxsize=32)
 def _load(face: TurnedContact) -> tuple[_State, ...]:
     """First loading, level by level, until the crests are flat or no more is known of them."""
     lines = face.lines

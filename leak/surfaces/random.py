@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ScanError, positive
@@ -200,14 +200,21 @@ def random_map(
     L = positive(ScanError, "size", size, "m")
     stretch = np.sqrt(positive(ScanError, "peklenik", peklenik, "-"))
     n, m = (_count("points", count) for count in (points if isinstance(points, tuple) else (points, points)))
-    q, q_y = (2.0 * np.pi * np.fft.fftfreq(count, L / n) for count in (n, m))
+    q, q_y = 2.0 * np.pi * np.fft.fftfreq(n, L / n), 2.0 * np.pi * np.fft.rfftfreq(m, L / n)
     C = np.asarray(spectrum(np.hypot(q[:, None] * stretch, q_y[None, :] / stretch)))
-    white = np.fft.fft2(np.random.default_rng(seed).standard_normal((n, m)))
+    white = _white_noise(n, m, seed)
     if amplitudes == "exact":
-        white *= np.sqrt(n * m) / np.abs(white)
+        white = white * (np.sqrt(n * m) / np.abs(white))
     elif amplitudes != "gaussian":
         raise ScanError(f"amplitudes = {amplitudes!r}: must be 'gaussian' or 'exact'")
-    return np.real(np.fft.ifft2(white * np.sqrt(C) * (2.0 * np.pi / L) * n))
+    return np.fft.irfft2(white * np.sqrt(C) * (2.0 * np.pi / L) * n, (n, m))
+
+
+# many spectra with one seed
+@lru_cache(maxsize=1)
+def _white_noise(n: int, m: int, seed: int) -> NDArray[np.complex128]:
+    """Waves of random numbers, in the form of `rfft2`."""
+    return np.fft.rfft2(np.random.default_rng(seed).standard_normal((n, m)))
 
 
 def _count(name: str, value: int) -> int:

@@ -157,15 +157,23 @@ class CrestLines:
         2 q cos(k y) K0(k x)/(pi E*), here averaged over both places in a band; a row of equal lines, f apart, by
         -2 q ln(2 sin(pi x/f))/(pi E*).
         """
-        from scipy.special import iti0k0, k0, k1
+        from scipy.special import iti0k0, k1
 
         k, f = self._wavenumbers[1:], self.feed
         x = 2.0 * half_width * k
         give: FloatArray = np.empty(k.size + 1)
         give[0] = math.log(f / (4.0 * math.pi * half_width)) + 1.5
         give[1:] = 2.0 * (x * iti0k0(x)[1] - 1.0 + x * k1(x)) / x**2
-        give[1:] += sum(2.0 * k0(k * number * f) for number in range(1, _NEIGHBOURS + 1))
+        give[1:] += self._give_by_neighbours
         return np.asarray(2.0 * self.contact_pressure / (math.pi * self.effective_modulus) * give)
+
+    @cached_property
+    def _give_by_neighbours(self) -> FloatArray:
+        """What equal lines to both sides add to `_give`, but for the mean [-]."""
+        from scipy.special import k0
+
+        x = self._wavenumbers[1:] * self.feed
+        return np.asarray(sum(2.0 * k0(x * number) for number in range(1, _NEIGHBOURS + 1)))
 
     def press(self, level: float, start: FloatArray | None = None) -> PressedCrests:
         """First loading to a level of the flat.

@@ -133,6 +133,26 @@ def test_equal_ratios_of_pressures_conduct_alike():
     assert soft.flow_conductivity(p / 2, 1e-3) == pytest.approx(steel().flow_conductivity(p, 1e-3), rel=1e-6)
 
 
+def test_waves_that_are_short_beside_the_feed_do_not_count():
+    """Neither in a map of finite size nor in memory: the shortest waves of a finish are 0.1 um long."""
+    f = 5e-5
+    ends = {"rms_height": 1e-7, "hurst": 0.8, "q_low": math.pi / f, "q_rolloff": 3e5}
+    faces = [
+        leak.TurnedContact(
+            feed=f,
+            nose_radius=2e-4,
+            fine=leak.PowerSpectrum.self_affine(q_high=2.0 * math.pi / shortest, **ends),
+            effective_modulus=115e9,
+            hardness=3.5e9,
+        )
+        for shortest in (1e-7, f / 64.0)
+    ]
+    assert faces[0].lines.heights.shape == faces[1].lines.heights.shape
+    p = np.array([1e7, 5e7, 1e8])
+    conductivities = [np.asarray(face.flow_conductivity(p, 1.0)) for face in faces]
+    assert conductivities[0] == pytest.approx(conductivities[1], rel=0.03)
+
+
 def test_smoother_crests_seal_earlier():
     sealing = [turned(fine=fine(rms)).sealing_pressure for rms in (2e-8, 5e-8, 1e-7)]
     assert sealing[0] < 0.5 * sealing[1] < 0.5 * sealing[2]

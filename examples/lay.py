@@ -1,7 +1,7 @@
 """The same roughness leaks less when its lay runs along the circumference, and more when it crosses the seal.
 
 The seat of Fischer et al. (2020) at 20 bar, a Gaussian pressure profile of 0.139 mm standard deviation, with
-its roughness stretched fivefold: a turned seat (lay across the flow), a sandblasted one (isotropic), and
+its roughness stretched fivefold: a seat ground around (lay across the flow), a sandblasted one (isotropic), and
 scratches from one side of the seal to the other. Contact area and mean gap are the same in all three.
 """
 
@@ -29,15 +29,15 @@ def leak_rates(stretches: tuple[float, ...]) -> list[float]:
 
 
 def main() -> float:
-    """Leak rate of the scratched seat over that of the turned one."""
-    turned, scratched = leak_rates((0.2, 5.0))
-    return scratched / turned
+    """Leak rate of the scratched seat over that of the ground one."""
+    ground, scratched = leak_rates((0.2, 5.0))
+    return scratched / ground
 
 
 if __name__ == "__main__":
     import matplotlib.pyplot as plt
 
-    names, rates = ("turned", "sandblasted", "scratched"), leak_rates((0.2, 1.0, 5.0))
+    names, rates = ("ground", "sandblasted", "scratched"), leak_rates((0.2, 1.0, 5.0))
     for name, rate in zip(names, rates, strict=True):
         print(f"{name:12s} {rate * 1e9:6.0f} mm^3/s")
     plt.figure(figsize=(6, 3), layout="constrained")
