@@ -491,18 +491,13 @@ def direct(
     >>> low.effective_gap > high.effective_gap > 0.0
     True
     """
-    from fem_seal.files import problem
-    from fem_seal.seal.direct import DirectSettings
     from fem_seal.seal.problem import direct_settings, rough_contact
-    from leak import RoughContact
 
     case = case_of(case)
     surface = rough_contact(case)
     if surface is None:
         raise InputError.at("roughness", "there is no surface to simulate; add the table", file=case.file)
-    if not isinstance(surface, RoughContact):
-        raise InputError(problem("direct_turned"), file=case.file)
-    settings = direct_settings(case) or DirectSettings()
+    settings = direct_settings(case)
     if folder is not None:
         settings = replace(settings, folder=Path(folder))
     return settings.table(surface, jobs=jobs, progress=progress or (lambda text: None))
@@ -556,7 +551,7 @@ def direct_seal(
     >>> bool(0.3 < row.leak_rate / row.chain_held < 3.0)
     True
     """
-    from fem_seal.seal.direct import DirectSettings
+    from fem_seal.files import problem
     from fem_seal.seal.direct_seal import simulate_seal
     from fem_seal.seal.problem import direct_settings
 
@@ -565,7 +560,9 @@ def direct_seal(
         if table is None:
             message = "is missing, and a simulated seal has both roughness and fluid; add the table"
             raise InputError.at(key, message, file=case.file)
-    options = direct_settings(case) or DirectSettings()
+    if case.roughness is not None and case.roughness.turned_face is not None:
+        raise InputError(problem("strips_turned"), file=case.file)
+    options = direct_settings(case)
     if options.map is not None:
         message = "is a map of a patch; strips of a seal have random roughness: remove it"
         raise InputError.at("direct.file", message, file=case.file)

@@ -80,11 +80,11 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
     """
     surface = problem.surface
     simulated = None if problem.flow is None else problem.flow.direct
-    if simulated is None or not isinstance(surface, RoughContact):
+    if simulated is None or surface is None:
         return
     with clock.step("direct", "direct simulation of the surface"):
         _ = simulated.table(surface, progress=clock.progress).range
-        if simulated.elastic is not simulated:
+        if simulated.elastic is not simulated and isinstance(surface, RoughContact):
             clock.progress("direct simulation of elastic asperities, to compare with")
             # what is shown beside a result is no reason for having none
             with suppress(LeakError):

@@ -300,6 +300,10 @@ def _of_paper(case: CaseTables) -> Iterator[Problem]:
         yield problem("of_paper", key="leak.percolation_threshold", value=threshold)
 
 
+# What [direct] says of random patches alone.
+_OF_PATCHES = ("size", "waves", "points_per_wave", "amplitudes", "direction", "file")
+
+
 def _turned(case: CaseTables) -> Iterator[Problem]:
     """What is not known of a turned face."""
     if case.roughness is None or case.roughness.turned_face is None:
@@ -307,13 +311,17 @@ def _turned(case: CaseTables) -> Iterator[Problem]:
     particles = case.fluid is not None and case.fluid.particles is not None
     options = {
         'leak.theory = "paper"': case.leak.theory == "paper",
-        'leak.conductivity = "direct"': case.leak.conductivity == "direct",
         'leak.fluid_in_gap = "local"': case.leak.fluid_in_gap == "local",
         "fluid.particles": particles,
         "form.lay": case.form is not None and case.form.lay is not None,
         "load.largest_earlier_force": case.load.largest_earlier_force is not None,
     }
     yield from (problem("with_turned_face", option=option) for option, is_used in options.items() if is_used)
+    if case.direct is not None:
+        given = case.direct.model_fields_set
+        yield from (problem("direct_turned", name=name) for name in _OF_PATCHES if name in given)
+        if "points" in given and case.direct.points % 2:
+            yield problem("direct_odd", points=case.direct.points)
     interface = case.interface
     if interface.law == "exponential" and (interface.u0 is None or interface.p_c is None):
         yield problem("turned_exponential")

@@ -47,7 +47,7 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
     def conductivity(gap: float) -> float:
         return nan if viscosity is None else gap**3 / (12.0 * viscosity)
 
-    gaps = {name: nan if theory is None else theory.gap[name] for name in READINGS["paper"]}
+    gaps = {name: nan if theory is None else theory.gap.get(name, nan) for name in READINGS["paper"]}
     return {
         **attributes(row, "branch", "pressure_Pa", "largest_pressure_Pa", "samples", "contact_area"),
         **attributes(row, "contact_area_scatter", "yielded_area", "mean_gap_m", "mean_gap_scatter_m"),
@@ -65,7 +65,7 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
         **{f"theory_effective_gap_{name}_m": gap for name, gap in gaps.items()},
         **{
             f"theory_conductivity_ratio_all_waves_{name}": nan
-            if theory is None
+            if theory is None or name not in theory.gap
             else theory.cutoff_factor(name)
             for name in gaps
         },
@@ -107,7 +107,10 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
         "measured_map": measured,
         "direction": simulation.settings.direction,
         "rms_height_m": simulation.rms_height,
-        "rms_height_of_surface_m": simulation.surface.spectrum.rms_height,
+        "rms_height_of_surface_m": None if simulation.has_crests else simulation.surface.spectrum.rms_height,
+        "rms_height_of_fine_roughness_m": simulation.surface.spectrum.rms_height
+        if simulation.has_crests
+        else None,
         "height_variance_cut": None if measured else patch.height_cut,
         "slope_variance_cut": None if measured else patch.slope_cut,
         **attributes(simulation.surface, "effective_modulus_Pa", "hardness_Pa"),
@@ -128,7 +131,7 @@ def direct_lines(display: Display, table: DirectTable) -> list[str]:
     display : Display
     table : DirectTable
     """
-    simulation, (default, *further) = table.simulation, READINGS["paper"]
+    simulation, (default, *further) = table.simulation, table.simulation.readings
     several = len(simulation.surface.readings) > 1
     theory = [row.theory for row in table.loading if row.theory is not None]
     ratios = {
@@ -185,7 +188,11 @@ def _on_terminal(
     display: Display, name: str, rows: Sequence[Mapping[str, Any]]
 ) -> tuple[list[str], list[list[str]]]:
     """Headings and cells of a table of words.toml: texts, and numbers in the units of display."""
-    columns = [(column, display.fixed_unit(column.get("unit", ""))) for column in prose()["terminal"][name]]
+    columns = [
+        (column, display.fixed_unit(column.get("unit", "")))
+        for column in prose()["terminal"][name]
+        if "digits" not in column or not all(math.isnan(row[column["key"]]) for row in rows)
+    ]
     cells = [
         [
             _cell(unit.of(row[column["key"]]), column["digits"]) if "digits" in column else row[column["key"]]

@@ -21,8 +21,9 @@ from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError
 from fem_seal.files import problem
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
+from fem_seal.seal.leak_model import Conductivity, calculated_table
 from fem_seal.seal.pieces import work
-from leak import ConductivityTable, DirectError, RoughContact
+from leak import DirectError, GasConductivityTable, RoughContact, TurnedContact
 from leak.direct import (
     ContactState,
     Flow,
@@ -30,12 +31,14 @@ from leak.direct import (
     PeriodicHalfSpace,
     PressedPatch,
     Streams,
+    TexturePatch,
     elastoplastic_path,
     patch_flow,
     press,
     smoothed,
     streams,
 )
+from leak.flow.turned_contact import FaceContact
 from leak.numerics.roots import bisect_roots
 from leak.theory.plasticity import READINGS, Reading
 
@@ -44,6 +47,8 @@ Branch = Literal["load", "unload", "cutoff"]
 _VERSION = 1
 # Contact areas, in the theory, from which to which the pressures go unless they are given.
 _LEAST_AREA, _MOST_AREA, _PRESSURES = 0.003, 0.30, 8
+# Of a turned face from such an area to the pressure that seals.
+_LEAST_OF_CRESTS, _PRESSURES_OF_CRESTS = 0.002, 12
 # The gaps are counted in so many classes up to so many rms heights.
 _CLASSES, _WIDEST = 60, 6.0
 QUANTILES = (0.25, 0.5, 0.75, 0.9)
@@ -106,12 +111,12 @@ class DirectSettings:
         """The same where nothing yields."""
         return self if self.asperities == "elastic" else replace(self, asperities="elastic")
 
-    def of(self, surface: RoughContact) -> DirectSimulation:
+    def of(self, surface: FaceContact) -> DirectSimulation:
         """What is simulated of a surface.
 
         Parameters
         ----------
-        surface : RoughContact
+        surface : FaceContact
 
         Raises
         ------
@@ -123,21 +128,26 @@ class DirectSettings:
         heights, size = (None, self.size) if self.map is None else self.map()
         points = self.points if heights is None else heights.shape[0]
         per_wave = self.points_per_wave if heights is None else 2.0
+        across = surface.peklenik != 1.0 or isinstance(surface, TurnedContact)
         try:
-            patch = Patch.of(
-                surface.spectrum,
-                points=points,
-                size=size,
-                waves=self.waves,
-                points_per_wave=per_wave,
-                peklenik=surface.peklenik,
+            patch = (
+                TexturePatch(surface.texture, points)
+                if isinstance(surface, TurnedContact)
+                else Patch.of(
+                    surface.spectrum,
+                    points=points,
+                    size=size,
+                    waves=self.waves,
+                    points_per_wave=per_wave,
+                    peklenik=surface.peklenik,
+                )
             )
         except DirectError as error:
             raise InputError.at("direct", str(error)) from None
         settings = replace(
             self,
             samples=self.samples if heights is None else 1,
-            direction=self.direction or ("both" if surface.peklenik == 1.0 else "x"),
+            direction=self.direction or ("x" if across else "both"),
             yield_stress=self.yield_stress_of(surface) if self.asperities == "von-mises" else None,
         )
         surface = surface.elastic if self.asperities == "elastic" else surface
@@ -149,38 +159,66 @@ class DirectSettings:
             rough = replace(rough, hardness=HARDNESS_OVER_YIELD_STRESS * settings.yield_stress)
         return replace(simulation, settings=replace(settings, pressures=usual_pressures(rough)))
 
-    def yield_stress_of(self, surface: RoughContact) -> float | None:
+    def yield_stress_of(self, surface: FaceContact) -> float | None:
         """Of metal that flows [Pa]; None where no hardness says it.
 
         Parameters
         ----------
-        surface : RoughContact
+        surface : FaceContact
         """
         if self.yield_stress is not None:
             return self.yield_stress
         return None if surface.hardness is None else surface.hardness / HARDNESS_OVER_YIELD_STRESS
 
     def table(
-        self, surface: RoughContact, *, jobs: int = 1, progress: Callable[[str], None] = lambda text: None
+        self, surface: FaceContact, *, jobs: int = 1, progress: Callable[[str], None] = lambda text: None
     ) -> DirectTable:
         """The simulation of a surface, done once.
 
         Parameters
         ----------
-        surface : RoughContact
+        surface : FaceContact
         jobs, progress
             See `simulate_surface`.
         """
-        tables = self._tables
-        # the reading of asperities that yield is the theory's, not the simulation's
-        of = surface.capped
+        tables, of = self._tables, _simulated(surface)
         if of not in tables:
             tables[of] = simulate_surface(self.of(of), jobs=jobs, progress=progress)
         return tables[of]
 
     @cached_property
-    def _tables(self) -> dict[RoughContact, DirectTable]:
+    def _tables(self) -> dict[FaceContact, DirectTable]:
         return {}
+
+    def conductivity(
+        self,
+        surface: FaceContact,
+        p_min: float,
+        p_max: float,
+        num: int | None = None,
+        *,
+        end: int = 0,
+        of_gas: bool = False,
+    ) -> Conductivity:
+        """What the simulation of a surface says of its conductivity, of a turned face with its thread.
+
+        Parameters
+        ----------
+        surface : FaceContact
+        p_min, p_max, num, end, of_gas
+            See `DirectTable.conductivity_table`.
+        """
+        found = self.table(surface)
+        if not isinstance(surface, TurnedContact):
+            return found.conductivity_table(p_min, p_max, num, end, of_gas=of_gas)
+        crests = found.conductivity_table(p_min, p_max, num, end, of_gas=True)
+        table = surface.with_thread(crests) if isinstance(crests, GasConductivityTable) else crests
+        return table if of_gas else table.liquid
+
+
+def _simulated(surface: FaceContact) -> FaceContact:
+    """What is simulated of a surface: its reading of asperities that yield and its thread are the theory's."""
+    return surface.rings if isinstance(surface, TurnedContact) else surface.capped
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,10 +227,10 @@ class DirectSimulation:
 
     Parameters
     ----------
-    surface : RoughContact
+    surface : FaceContact
         The whole surface, as the theory takes it.
-    patch : Patch
-        The piece of it; of a measured map its grid and side.
+    patch : Patch or TexturePatch
+        The piece of it, of a turned face with its crests; of a measured map its grid and side.
     settings : DirectSettings
         With the pressures and the direction of the flow; the yield stress of metal that flows by von Mises, None where
         the pressure is capped at the surface's hardness, if any.
@@ -200,8 +238,8 @@ class DirectSimulation:
         A measured map, periodic, shape (n, n) [m]; None for random patches.
     """
 
-    surface: RoughContact
-    patch: Patch
+    surface: FaceContact
+    patch: Patch | TexturePatch
     settings: DirectSettings
     heights: FloatArray | None = None
 
@@ -218,23 +256,39 @@ class DirectSimulation:
         stress = self.settings.yield_stress
         return None if stress is None else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * stress
 
-    @property
-    def patch_surface(self) -> RoughContact:
+    @cached_property
+    def patch_surface(self) -> FaceContact:
         """The surface with the waves that the patch holds, for the theory of the very same thing."""
-        return replace(self.surface, spectrum=self.patch.grid_spectrum)
+        held = self.patch.grid_spectrum
+        if isinstance(self.surface, TurnedContact):
+            return replace(self.surface, fine=held)
+        return replace(self.surface, spectrum=held)
+
+    @property
+    def has_crests(self) -> bool:
+        """Whether it is a turned face: periodic patches side by side along its crests."""
+        return isinstance(self.patch, TexturePatch)
+
+    @property
+    def readings(self) -> tuple[Reading, ...]:
+        """In which the theory stands beside it."""
+        return (Reading.CAPPED,) if self.has_crests else READINGS["paper"]
 
     def map(self, sample: int) -> FloatArray:
         """Heights of a sample, from 0 on [m]."""
-        return (
-            self.heights
-            if self.heights is not None
-            else self.patch.heights(self.settings.seed + sample, self.settings.amplitudes)
-        )
+        if self.heights is not None:
+            return self.heights
+        seed = self.settings.seed + sample
+        if isinstance(self.patch, TexturePatch):
+            return self.patch.heights(seed)
+        return self.patch.heights(seed, self.settings.amplitudes)
 
     @cached_property
     def rms_height(self) -> float:
         """Of the patch [m]."""
-        return self.patch.grid_spectrum.rms_height if self.heights is None else float(np.std(self.heights))
+        if self.heights is None and not self.has_crests:
+            return self.patch.grid_spectrum.rms_height
+        return float(np.std(self.map(0)))
 
     @property
     def gap_edges(self) -> FloatArray:
@@ -244,26 +298,32 @@ class DirectSimulation:
     def pieces(self) -> list[Piece]:
         """All that is to be calculated, each on its own.
 
-        The first sample is also pressed without its shorter half of the waves, to see what the cutoff does. Metal that
-        flows remembers its path, which is then one piece.
+        The first sample is also pressed without its shorter half of the waves, to see what the cutoff does; of a turned
+        face the theory says that. Metal that flows remembers its path, which is then one piece.
         """
         pressures, unload = self.settings.pressures, self.settings.unload
         samples = range(self.settings.samples)
         if self.settings.yield_stress is not None:
             path, release = tuple(sorted(set(pressures))), tuple(sorted(set(unload), reverse=True))
-            return [*(Piece(sample, "load", path, release) for sample in samples), Piece(0, "cutoff", path)]
+            cutoff = [] if self.has_crests else [Piece(0, "cutoff", path)]
+            return [*(Piece(sample, "load", path, release) for sample in samples), *cutoff]
         pieces = [Piece(sample, "load", (p,)) for p in pressures for sample in samples]
-        pieces += [Piece(0, "cutoff", (p,)) for p in pressures]
+        pieces += [Piece(0, "cutoff", (p,)) for p in pressures if not self.has_crests]
         return pieces + [Piece(sample, "unload", unload) for sample in samples if unload]
 
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
-        surface, spectrum = self.surface, self.patch.grid_spectrum
+        surface, patch, spectrum = self.surface, self.patch, self.patch.grid_spectrum
+        shape = (
+            (patch.texture.feed, patch.texture.nose_radius)
+            if isinstance(patch, TexturePatch)
+            else patch.peklenik
+        )
         flow = self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP, piece.unload
         yields = surface.hardness if self.settings.yield_stress is None else flow
         about = [
-            _VERSION, surface.effective_modulus, yields, self.patch.points, self.patch.size,
-            self.patch.peklenik, self.gap_edges[-1], piece.branch, piece.pressures,
+            _VERSION, surface.effective_modulus, yields, patch.points, patch.size,
+            shape, self.gap_edges[-1], piece.branch, piece.pressures,
         ]  # fmt: skip
         if piece.branch == "unload":
             about.append(max(self.settings.pressures))
@@ -552,6 +612,11 @@ class DirectTable:
             raise InputError(problem("tight_patch"))
         return rows[0].pressure, rows[-1].pressure
 
+    @property
+    def all_open_up_to(self) -> float:
+        """Largest pressure of loading at which all samples let something through, the least one without any [Pa]."""
+        return max((row.pressure for row in self.loading if not row.blocked), default=self.range[0])
+
     def log_error(self, row: DirectRow) -> tuple[float, float]:
         """By how much ln conductivity may lie lower and higher [-].
 
@@ -574,7 +639,9 @@ class DirectTable:
         theory = row.theory
         if theory is not None and (ratio := theory.cutoff_factor(Reading.CAPPED)) > 0.0:
             changes.append(math.log(ratio))
-        low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
+        low, high = scatter - min(changes), scatter + max(changes)
+        if not self.simulation.has_crests:
+            low += math.log(row.samples / row.open_samples)
         if self.simulation.settings.yield_stress is not None:
             high += LOAD_STEP_ERROR
         lower = [other for other in self.loading if other.pressure < row.pressure]
@@ -611,6 +678,10 @@ class DirectTable:
         """
         if row.open_samples < 1:
             return 0.0
+        if self.simulation.has_crests and row.samples > 1:
+            # fewer places stay open the higher the pressure is
+            scatters = [x.log_scatter for x in self.loading if x.pressure <= row.pressure]
+            return _SIGMAS * max(scatters) / math.sqrt(row.samples)
         if row.samples == 1:
             ratio = abs(row.log_directions) if self.simulation.settings.direction == "both" else 0.0
             return _SIGMAS * 0.5 * ratio if math.isfinite(ratio) else math.log(_UNKNOWN)
@@ -620,8 +691,8 @@ class DirectTable:
         return _SIGMAS * scatter / math.sqrt(row.open_samples)
 
     def conductivity_table(
-        self, p_min: float, p_max: float, num: int | None = None, end: int = 0
-    ) -> ConductivityTable:
+        self, p_min: float, p_max: float, num: int | None = None, end: int = 0, *, of_gas: bool = False
+    ) -> Conductivity:
         """u_eff over pressure: as simulated, and outside the pressures simulated by the slope of the theory.
 
         Between the pressures, and beyond them, the theory of the waves that the patch holds is followed, in the
@@ -635,24 +706,49 @@ class DirectTable:
             Number of pressures; by default many enough for what a simulation adds to the theory.
         end : {-1, 0, 1}
             Of the interval `log_error`, 0 for what was simulated.
+        of_gas : bool
+            With the rarefaction of gases, in the theory.
         """
+        surface = self.simulation.patch_surface.reading(Reading.CAPPED)
+        theory = calculated_table(surface, p_min, p_max, num or _TABLE_PRESSURES, of_gas=of_gas)
+        if self.simulation.has_crests:
+            theory = _with_pressures(theory, [row.pressure for row in self.loading])
+        return self._corrected(theory, surface, 1.0, end)
+
+    def _corrected(
+        self, theory: Conductivity, reference: FaceContact, scale: float, end: int
+    ) -> Conductivity:
+        """A table times the factor of the simulation over a reference at p/scale."""
         from scipy.interpolate import PchipInterpolator
 
-        surface = self.simulation.patch_surface.capped
-        theory = surface.conductivity_table(p_min, p_max, num or _TABLE_PRESSURES)
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])
         if end:
             u = np.array([self.ends(row)[0 if end < 0 else 1] for row in self.loading])
-        factor = np.log(u / np.asarray(surface.effective_separation(p)))
-        log_p = theory.table_log_p(np.log(p))
-        at = np.clip(np.log(theory.pressure), log_p[0], log_p[-1])
+        expected, liquid = np.asarray(reference.effective_separation(p)), theory.liquid
+        # beyond the sealing of the theory it cannot be followed
+        known = (expected > 0.0) & (u > 0.0)
+        factor = np.log(u[known] / expected[known])
+        log_p = liquid.table_log_p(np.log(scale * p[known]))
+        at = np.clip(np.log(liquid.pressure), log_p[0], log_p[-1])
         # with one pressure the factor is the same everywhere
-        correction = PchipInterpolator(log_p, factor)(at) if p.size > 1 else factor[0]
-        separation = theory.separation * np.exp(correction)
+        correction = PchipInterpolator(log_p, factor)(at) if factor.size > 1 else factor[0]
+        separation = liquid.separation * np.exp(correction)
         # samples scatter, but no more flows at a higher pressure
         separation = np.minimum.accumulate(separation) * (1.0 - 1e-9 * np.arange(separation.size))
-        return replace(theory, separation=separation, method="direct")
+        return theory.with_liquid(replace(liquid, separation=separation, method="direct"))
+
+
+def _with_pressures(table: Conductivity, pressures: Sequence[float]) -> Conductivity:
+    """A table with some more pressures below its sealing: those of a turned face are far apart at light load."""
+    liquid = table.liquid
+    sealing = min(liquid.sealing_pressure, liquid.pressure[-1])
+    log_p = np.log(np.union1d(liquid.pressure, [p for p in pressures if p < sealing]))
+    wider = replace(liquid, pressure=np.exp(log_p), separation=liquid.at_log_pressure(log_p))
+    if not isinstance(table, GasConductivityTable):
+        return wider
+    log_rarefaction = table.log_rarefaction_at(log_p[:, None])(table.log_inverse_knudsen)
+    return replace(table, liquid=wider, log_rarefaction=log_rarefaction)
 
 
 def simulate_surface(
@@ -701,7 +797,7 @@ def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray)
 
 
 def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
-    numbers = PressedPatch.of(state, hardness=simulation.surface.hardness)
+    numbers = PressedPatch.of(state, hardness=simulation.surface.hardness, periodic=simulation.has_crests)
     counts, _ = np.histogram(state.gap[state.gap > 0.0], simulation.gap_edges)
     quantiles = np.quantile(state.gap, QUANTILES)
     return PieceRecord(*numbers, tuple(quantiles.tolist()), tuple(counts.tolist()))
@@ -718,7 +814,7 @@ def _combine_records(simulation: DirectSimulation, records_of: dict[Piece, list[
     rows, densities = [], []
     for branch, p in loads:
         records = [record_of[branch, sample, p] for sample in range(simulation.settings.samples)]
-        cutoff = record_of["cutoff", 0, p] if branch == "load" else None
+        cutoff = record_of.get(("cutoff", 0, p)) if branch == "load" else None
         rows.append(_row(simulation, branch, p, records, cutoff))
         counts = np.sum([item.gap_counts for item in records], axis=0)
         cells = len(records) * simulation.patch.points**2
@@ -738,22 +834,31 @@ def _row(
     gaps_cubed = np.array([simulation.gap_cubed(record) for record in records])
     logs = np.log(gaps_cubed[gaps_cubed > 0.0])
     several, first = len(records) > 1, float(gaps_cubed[0])
+    mean, scatter = (
+        (logs.mean() if logs.size else -math.inf),
+        (float(logs.std(ddof=1)) if logs.size > 1 else math.nan),
+    )
+    if simulation.has_crests and logs.size:
+        # side by side along the crests their conductivities add; a lognormal distribution of the same mean and scatter
+        mean = math.log(gaps_cubed.mean())
+        spread = gaps_cubed.std(ddof=1) / gaps_cubed.mean() if several else math.nan
+        scatter = math.sqrt(math.log1p(spread**2))
     return DirectRow(
         branch=branch,
         pressure=pressure,
-        largest_pressure=max(simulation.settings.pressures) if cutoff is None else pressure,
+        largest_pressure=pressure if branch == "load" else max(simulation.settings.pressures),
         contact_area=float(area.mean()),
         contact_area_scatter=float(area.std(ddof=1)) if several else math.nan,
         yielded_area=float(np.mean([record.yielded_area for record in records])),
         mean_gap=float(gap.mean()),
         mean_gap_scatter=float(gap.std(ddof=1)) if several else math.nan,
         gap_quantiles=tuple(np.mean([record.gap_quantiles for record in records], axis=0).tolist()),
-        effective_gap=float(np.exp(logs.mean() / 3.0)) if logs.size else 0.0,
-        log_scatter=float(logs.std(ddof=1)) if logs.size > 1 else math.nan,
+        effective_gap=math.exp(mean / 3.0),
+        log_scatter=scatter,
         blocked=int(np.count_nonzero(gaps_cubed == 0.0)),
         samples=len(records),
         cutoff_ratio=simulation.gap_cubed(cutoff) / first if cutoff is not None and first > 0.0 else math.nan,
-        theory=None if cutoff is None else _theory(simulation, pressure),
+        theory=_theory(simulation, pressure) if branch == "load" else None,
         log_directions=_log_ratio(records[0].gap_cubed_along, records[0].gap_cubed_across),
     )
 
@@ -765,25 +870,30 @@ def _log_ratio(first: float, second: float) -> float:
 
 
 def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:
-    patch, surface, readings = simulation.patch_surface, simulation.surface, READINGS["paper"]
+    patch, surface, readings = simulation.patch_surface, simulation.surface, simulation.readings
+    capped = patch.reading(Reading.CAPPED)
     return TheoryRow(
-        contact_area=float(patch.capped.contact_area(pressure)),
-        mean_gap=float(patch.capped.mean_separation(pressure)),
+        contact_area=float(capped.contact_area(pressure)),
+        mean_gap=float(capped.mean_separation(pressure)),
         gap={x: float(patch.reading(x).effective_separation(pressure)) for x in readings},
         whole={x: float(surface.reading(x).effective_separation(pressure)) for x in readings},
     )
 
 
-def usual_pressures(surface: RoughContact) -> tuple[float, ...]:
-    """Pressures from a contact area of 0.3 % to one of 30 %, in the theory, in equal ratios [Pa].
+def usual_pressures(surface: FaceContact) -> tuple[float, ...]:
+    """Pressures in equal ratios, from a contact area of 0.3 % to one of 30 % in the theory; of crests to sealing [Pa].
 
     Parameters
     ----------
-    surface : RoughContact
+    surface : FaceContact
         With the waves that are simulated.
     """
-    low, high = (_pressure_of_area(surface, area) for area in (_LEAST_AREA, _MOST_AREA))
-    return tuple(float(f"{p:.4g}") for p in np.geomspace(low, high, _PRESSURES))
+    if isinstance(surface, TurnedContact):
+        low, high = _LEAST_OF_CRESTS * surface.contact_pressure, surface.sealing_pressure
+    else:
+        low, high = (_pressure_of_area(surface, area) for area in (_LEAST_AREA, _MOST_AREA))
+    count = _PRESSURES_OF_CRESTS if isinstance(surface, TurnedContact) else _PRESSURES
+    return tuple(float(f"{p:.4g}") for p in np.geomspace(low, high, count))
 
 
 def _pressure_of_area(surface: RoughContact, area: float) -> float:

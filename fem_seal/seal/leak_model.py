@@ -180,8 +180,8 @@ class FlowModel:
             Number of pressures; by default as many as the error asks for.
         """
         if self.direct is not None:
-            assert isinstance(surface, leak.RoughContact)  # of the checks
-            return self.direct.table(surface).conductivity_table(p_min, p_max, num, self.end)
+            of_gas = self.gas is not None
+            return self.direct.conductivity(surface, p_min, p_max, num, end=self.end, of_gas=of_gas)
         return calculated_table(surface, p_min, p_max, num, of_gas=self.gas is not None)
 
     def table_around(self, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
@@ -615,6 +615,14 @@ class LeakModel:
                 rates.append(self.flow.without_friction(narrowest, fluid_pressure))
         return min(rates, default=math.inf)
 
+    @property
+    def crests_open_up_to(self) -> float:
+        """Pressure beyond which nobody knows how far the crests of a turned face are closed [Pa]."""
+        assert isinstance(self.surface, leak.TurnedContact)  # of all who ask
+        if self.flow is None or self.flow.direct is None:
+            return self.surface.nearly_sealed_pressure
+        return self.flow.direct.table(self.surface).all_open_up_to
+
     def leak_before_sealing(self, profile: PressureProfile, fluid_pressure: float) -> float:
         """Leak of one of the contacts if no place were pressed harder than direct simulations reach [m^3/s].
 
@@ -631,8 +639,10 @@ class LeakModel:
         if self.flow is None or self.table is None:
             return 0.0
         if isinstance(surface, leak.TurnedContact):
-            open_flow = self.leak_pressed_up_to(surface.nearly_sealed_pressure, profile, fluid_pressure)
+            open_flow = self.leak_pressed_up_to(self.crests_open_up_to, profile, fluid_pressure)
             return 0.0 if open_flow is None else open_flow.leak_rate
+        if self.is_direct:
+            return 0.0
         tables = [table.liquid for table in self.flow.in_lands(self.table, surface, profile)]
         low, high = math.log(1e-6 * peak), math.log(peak)
 

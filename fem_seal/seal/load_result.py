@@ -177,7 +177,7 @@ class LoadResult:
     @cached_property
     def leak_before_sealing(self) -> float:
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
-        if self.rough is None or self.rough.is_direct or self.circumference is not None:
+        if self.rough is None or self.circumference is not None:
             return 0.0
         return self.rough.leak_before_sealing(self.whole_profile, self.fluid_pressure)
 

@@ -651,21 +651,27 @@ def flow_of(case: CaseTables) -> FlowModel | None:
     )
 
 
-def direct_settings(case: CaseTables) -> DirectSettings | None:
-    """How the case's surface is simulated directly; None without a table [direct].
+def direct_settings(case: CaseTables) -> DirectSettings:
+    """How the case's surface is simulated directly.
 
     Parameters
     ----------
     case : CaseTables
     """
-    table = case.direct
-    if table is None:
-        return None
+    from fem_seal.case.tables import Direct
     from fem_seal.seal.direct import DirectSettings
+    from leak import TurnedContact
+    from leak.direct import texture_points
 
+    table = case.direct or Direct()
     same = ("points", "samples", "seed", "waves", "points_per_wave", "amplitudes", "size", "direction")
+    values = {name: getattr(table, name) for name in same}
+    surface = rough_contact(case)
+    if isinstance(surface, TurnedContact):
+        usual = {"points": texture_points(surface.texture), "samples": _SAMPLES_OF_CRESTS}
+        values |= {name: value for name, value in usual.items() if name not in table.model_fields_set}
     return DirectSettings(
-        **{name: getattr(table, name) for name in same},
+        **values,
         pressures=table.pressure or (),
         unload=table.unload or (),
         map=None if table.file is None else partial(_periodic_map, table.file, table.unit, table),
@@ -690,6 +696,8 @@ def _periodic_map(file: str, unit: tuple[str, ...] | None, settings: Direct) -> 
     return heights, size
 
 
+# Of a turned face; as many take over a minute.
+_SAMPLES_OF_CRESTS = 2
 _LARGER = 2.0
 _LENGTHS = ("outer_radius", "height")
 

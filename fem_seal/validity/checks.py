@@ -170,6 +170,9 @@ def _interface_cautions(
 ) -> Iterator[Finding]:
     if isinstance(surface, TurnedContact):
         yield from turned_cautions(surface, loads)
+        if problem.flow is not None and problem.flow.direct is not None:
+            load = max(loads, key=lambda load: load.peak_pressure)
+            yield from _direct_cautions(problem.flow.direct.table(surface), load, loads)
     else:
         sealing = surface.sealing_pressure if sealing is None else sealing
         yield from _sealed_loads(surface, loads, sealing)
@@ -742,14 +745,16 @@ def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughC
 
 def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
-    peak, (low, high) = load.peak_pressure, table.range
+    peak, (low, high), crests = load.peak_pressure, table.range, table.simulation.has_crests
     at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
-    if not low <= peak <= high:
+    # of crests that are tight `turned_cautions` speak
+    if not low <= peak <= (math.inf if crests else high):
         side = "above" if peak > high else "below"
         yield caution("direct_range", load, loads, side=side, low=low, high=high, at=at)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
-    if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
+    tight = [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]
+    if tight and not crests:
         n, of, pressure = tight[-1].blocked, tight[-1].samples, Quantity(tight[-1].pressure, ".4g MPa")
         yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressure, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
@@ -764,6 +769,7 @@ def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadR
             up=above,
             at=at,
             samples=row.samples,
+            crests=crests,
             octave=1.0 / row.cutoff_ratio if row.cutoff_ratio > 0.0 else None,
         )
 

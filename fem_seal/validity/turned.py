@@ -50,7 +50,8 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
             feed=surface.feed,
         )
     tight = max(loads, key=lambda load: load.peak_pressure)
-    if tight.peak_pressure <= surface.nearly_sealed_pressure:
+    limit = surface.nearly_sealed_pressure if tight.rough is None else tight.rough.crests_open_up_to
+    if tight.peak_pressure <= limit:
         return
     leak, high = tight.leak, math.inf
     if leak is not None and leak.leak_rate > 0.0 and tight.leak_before_sealing > 0.0:
@@ -65,7 +66,8 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
         leak_factor=Bounds(max(1.0 / ORDERS_OF_MAGNITUDE, thread_share), high),
         is_reported=matters,
         proven=not matters,
-        pressure=surface.nearly_sealed_pressure,
+        pressure=limit,
+        simulated=tight.rough is not None and tight.rough.is_direct,
         sealed=tight.peak_pressure >= surface.sealing_pressure,
         times=high if high < ORDERS_OF_MAGNITUDE else None,
     )

@@ -24,6 +24,7 @@ from .simulation import size_study as size_study
 from .strip import Strip as Strip
 from .strip import StripState as StripState
 from .strip import rest_gap as rest_gap
+from .texture import TexturePatch as TexturePatch
 from .texture import TextureResult as TextureResult
 from .texture import simulate_texture as simulate_texture
 from .texture import texture_points as texture_points

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +15,95 @@ from leak.direct.contact import PeriodicHalfSpace, checked_pressures, press
 from leak.direct.elastoplastic import elastoplastic_path
 from leak.direct.simulation import PressedPatch
 from leak.errors import DirectError, positive
+from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import TurnedTexture
 
 # On the shortest wave of the fine roughness.
 _POINTS_PER_WAVE = 4
+
+
+@dataclass(frozen=True)
+class TexturePatch:
+    """A periodic square of a turned face on a grid.
+
+    Waves of the fine roughness longer than the side, or shorter than four grid cells, are not in it.
+
+    Parameters
+    ----------
+    texture : TurnedTexture
+    points : int
+        Along a side, a multiple of `crests`.
+    crests : int
+        Feeds along a side.
+
+    Raises
+    ------
+    DirectError
+        A value outside its meaning.
+
+    Examples
+    --------
+    >>> import leak
+    >>> fine = leak.PowerSpectrum.self_affine(rms_height=1e-7, hurst=0.8, q_low=3e4, q_rolloff=2.5e5, q_high=4e6)
+    >>> face = leak.TurnedTexture(feed=1e-4, nose_radius=8e-4, fine=fine)
+    >>> patch = leak.direct.TexturePatch(face, points=128)
+    >>> print(f"{patch.size * 1e6:.0f} um, waves from {patch.shortest_wavelength * 1e6:.2f} um on")
+    200 um, waves from 6.25 um on
+    """
+
+    texture: TurnedTexture
+    points: int
+    crests: int = 2
+
+    def __post_init__(self) -> None:
+        _check_crests(self.crests)
+        if self.points != int(self.points) or self.points < 8 or self.points % self.crests:
+            raise DirectError(
+                f"points = {self.points!r}: must be a multiple of crests = {self.crests}, 8 or more"
+            )
+
+    @property
+    def size(self) -> float:
+        """Side [m]."""
+        return self.crests * self.texture.feed
+
+    @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of all of the fine roughness."""
+        return self.texture.fine
+
+    @property
+    def shortest_wavelength(self) -> float:
+        """Of the fine roughness on the grid [m]."""
+        return max(_POINTS_PER_WAVE * self.size / self.points, 2.0 * math.pi / self.texture.fine.q_high)
+
+    @cached_property
+    def grid_spectrum(self) -> PowerSpectrum:
+        """The part of the fine roughness that the grid holds."""
+        fine = self.texture.fine
+        # the last wave on a grid line must not be lost to rounding
+        return fine.between(fine.q_low, 2.0 * math.pi / self.shortest_wavelength * (1.0 + 1e-9))
+
+    @property
+    def height_cut(self) -> float:
+        """Share of the height variance of the fine roughness that is cut [-]."""
+        return float(1.0 - self.grid_spectrum.rms_height**2 / self.spectrum.rms_height**2)
+
+    @property
+    def slope_cut(self) -> float:
+        """Share of its slope variance that is cut [-]."""
+        return float(1.0 - self.grid_spectrum.rms_slope**2 / self.spectrum.rms_slope**2)
+
+    def heights(self, seed: int) -> FloatArray:
+        """A sample, shape (points, points) [m]; see `leak.TurnedTexture.heights`.
+
+        Parameters
+        ----------
+        seed : int
+            Of the fine roughness.
+        """
+        held = replace(self.texture, fine=self.grid_spectrum)
+        return held.heights(points=self.points, crests=self.crests, seed=seed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +162,18 @@ def texture_points(texture: TurnedTexture, crests: int = 2) -> int:
     """
     from scipy.fft import next_fast_len
 
+    _check_crests(crests)
     # fewer do not show a throat; more take over 90 s of one core for twelve pressures and two seeds
     least, most = 128, 512
     wanted = _POINTS_PER_WAVE * crests * texture.feed * texture.fine.q_high / (2.0 * math.pi)
     # but for rounding
     side = math.ceil(min(max(wanted, least), most) / crests - 1e-6)
     return crests * min(next_fast_len(side, real=True), max(most // crests, 1))
+
+
+def _check_crests(crests: int) -> None:
+    if crests != int(crests) or crests < 1:
+        raise DirectError(f"crests = {crests!r}: must be a whole number from 1 on")
 
 
 def simulate_texture(
@@ -153,22 +245,13 @@ def simulate_texture(
         raise DirectError(
             "hardness and yield_stress: give one, the cap of the pressure or the stress of metal that flows"
         )
-    if crests != int(crests) or crests < 1:
-        raise DirectError(f"crests = {crests!r}: must be a whole number from 1 on")
-    n = texture_points(texture, crests) if points is None else points
-    if n != int(n) or n < 8 or n % crests:
-        raise DirectError(f"points = {n!r}: must be a multiple of crests = {crests}, 8 or more")
     if not seeds:
         raise DirectError("seeds: at least one is needed")
-    size = crests * texture.feed
-    # the last wave on a grid line must not be lost to rounding
-    shortest = max(_POINTS_PER_WAVE * size / n, 2.0 * math.pi / texture.fine.q_high)
-    held = texture.fine.between(texture.fine.q_low, 2.0 * math.pi / shortest * (1.0 + 1e-9))
-    on_grid = replace(texture, fine=held)
-    body = PeriodicHalfSpace(n, size, E)
+    patch = TexturePatch(texture, texture_points(texture, crests) if points is None else points, crests)
+    body = PeriodicHalfSpace(patch.points, patch.size, E)
 
     def states(seed: int, wanted: Sequence[float]) -> Iterator[PressedPatch]:
-        heights = on_grid.heights(points=n, crests=crests, seed=seed)
+        heights = patch.heights(seed)
         if yield_stress is None:
             for p in wanted:
                 yield PressedPatch.of(
@@ -205,5 +288,14 @@ def simulate_texture(
         else np.full(path.size, math.nan)
     )
     return TextureResult(
-        path, area, yielded, gap, across, along_crests, error, tuple(seeds), int(n), shortest
+        path,
+        area,
+        yielded,
+        gap,
+        across,
+        along_crests,
+        error,
+        tuple(seeds),
+        patch.points,
+        patch.shortest_wavelength,
     )

@@ -341,7 +341,7 @@ class TurnedContact:
             Of the fine roughness where crests are lost in it. Throats know no other.
         """
         self._check_table(p_min, p_max, method)
-        return self._with_thread[0] if self._has_thread else self._table
+        return self._thread_table.liquid if self._has_thread else self._table
 
     def gas_conductivity_table(
         self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
@@ -357,18 +357,23 @@ class TurnedContact:
             See `conductivity_table`.
         """
         self._check_table(p_min, p_max, method)
-        if not self._has_thread:
-            return self._gas_table
-        liquid, log_rarefaction = self._with_thread
-        return GasConductivityTable(liquid, log_rarefaction, _LOG_D)
+        return self._thread_table if self._has_thread else self._gas_table
 
     @cached_property
-    def _with_thread(self) -> tuple[ConductivityTable, FloatArray]:
-        """Table of crests and thread side by side, and ln of the rarefaction of gases in both at `_LOG_D`.
+    def _thread_table(self) -> GasConductivityTable:
+        return self.with_thread(self._gas_table)
 
-        The thread stays open until the crests are pressed flat.
+    def with_thread(self, crests: GasConductivityTable) -> GasConductivityTable:
+        """Table of crests and thread side by side, which stays open until the crests are pressed flat.
+
+        Parameters
+        ----------
+        crests : GasConductivityTable
+            Of the crests alone, see `rings`.
         """
-        crests, sealing = self._gas_table, self.sealing_pressure
+        if not self._has_thread:
+            return crests
+        sealing = crests.liquid.sealing_pressure
         # where the roughness takes part the table is steep, or asked at other pressures than the nominal ones
         crossover = np.geomspace(_LOWEST * sealing, sealing, _NOMINAL)
         known = crossover if self._lost_share > 0.0 else crests.liquid.pressure
@@ -389,7 +394,7 @@ class TurnedContact:
         flow = np.exp(crests.log_flow_at(np.log(known)[:, None])(own))
         gas[: known.size] += across[: known.size, None] * flow
         table = ConductivityTable(pressure, np.cbrt(total), self.contact_pressure, self.contact_pressure)
-        return table, np.log(gas / total[:, None]) - log_flow_factor(_LOG_D)
+        return GasConductivityTable(table, np.log(gas / total[:, None]) - log_flow_factor(_LOG_D), _LOG_D)
 
     @property
     def _winding(self) -> float:
