@@ -23,9 +23,10 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, Law, ScaledLaw
-from fem_seal.seal.leak_model import Conductivity, FlowModel, calculated_table
+from fem_seal.seal.leak_model import Conductivity, FlowModel
 from leak import GasConductivityTable, PowerSpectrum, RoughContact, TurnedContact
 from leak.flow.conductivity import AlikeTables
+from leak.flow.turned_contact import calculated_table
 from leak.numerics.curves import lagrange
 
 if TYPE_CHECKING:

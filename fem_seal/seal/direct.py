@@ -21,7 +21,6 @@ from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError
 from fem_seal.files import problem
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
-from fem_seal.seal.leak_model import Conductivity, calculated_table
 from fem_seal.seal.pieces import work
 from leak import DirectError, GasConductivityTable, RoughContact, TurnedContact
 from leak.direct import (
@@ -38,7 +37,8 @@ from leak.direct import (
     smoothed,
     streams,
 )
-from leak.flow.turned_contact import FaceContact
+from leak.flow.conductivity import AnyTable
+from leak.flow.turned_contact import FaceContact, calculated_table
 from leak.numerics.roots import bisect_roots
 from leak.theory.plasticity import READINGS, Reading
 
@@ -199,7 +199,7 @@ class DirectSettings:
         *,
         end: int = 0,
         of_gas: bool = False,
-    ) -> Conductivity:
+    ) -> AnyTable:
         """What the simulation of a surface says of its conductivity, of a turned face with its thread.
 
         Parameters
@@ -692,7 +692,7 @@ class DirectTable:
 
     def conductivity_table(
         self, p_min: float, p_max: float, num: int | None = None, end: int = 0, *, of_gas: bool = False
-    ) -> Conductivity:
+    ) -> AnyTable:
         """u_eff over pressure: as simulated, and outside the pressures simulated by the slope of the theory.
 
         Between the pressures, and beyond them, the theory of the waves that the patch holds is followed, in the
@@ -715,9 +715,7 @@ class DirectTable:
             theory = _with_pressures(theory, [row.pressure for row in self.loading])
         return self._corrected(theory, surface, 1.0, end)
 
-    def _corrected(
-        self, theory: Conductivity, reference: FaceContact, scale: float, end: int
-    ) -> Conductivity:
+    def _corrected(self, theory: AnyTable, reference: FaceContact, scale: float, end: int) -> AnyTable:
         """A table times the factor of the simulation over a reference at p/scale."""
         from scipy.interpolate import PchipInterpolator
 
@@ -739,7 +737,7 @@ class DirectTable:
         return theory.with_liquid(replace(liquid, separation=separation, method="direct"))
 
 
-def _with_pressures(table: Conductivity, pressures: Sequence[float]) -> Conductivity:
+def _with_pressures(table: AnyTable, pressures: Sequence[float]) -> AnyTable:
     """A table with some more pressures below its sealing: those of a turned face are far apart at light load."""
     liquid = table.liquid
     sealing = min(liquid.sealing_pressure, liquid.pressure[-1])

@@ -12,6 +12,7 @@ import numpy as np
 
 import leak
 from leak.flow.conductivity import table_abscissa
+from leak.flow.turned_contact import calculated_table
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
@@ -421,22 +422,6 @@ class FlowModel:
         permeant, sigma = self.permeant(table, fluid_pressure), self._sigma(table, log_pressure)
         flow = leak.AroundFlow(*flow_round(profile.x, profile.radius, sigma, permeant, self.pressure_side))
         return flow.leak_rate / flow.radial_leak_rate - 1.0
-
-
-def calculated_table(
-    surface: FaceContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
-) -> Conductivity:
-    """Flow conductivity of a surface over a range of contact pressures, see `FlowModel.table`.
-
-    Parameters
-    ----------
-    of_gas : bool
-    """
-    if isinstance(surface, leak.TurnedContact):
-        return (surface.gas_conductivity_table if of_gas else surface.conductivity_table)(p_min, p_max, num)
-    if of_gas:
-        return leak.gas_conductivity_table(surface, p_min, p_max, num)
-    return surface.conductivity_table(p_min, p_max, num)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
-from leak.flow.conductivity import ConductivityTable, GasConductivityTable
+from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.surfaces.random import random_map
@@ -685,3 +685,23 @@ def _checked(pressure: ArrayLike) -> FloatArray:
 
 FaceContact: TypeAlias = RoughContact | TurnedContact
 """Two faces that touch, of any kind."""
+
+
+def calculated_table(
+    surface: FaceContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
+) -> AnyTable:
+    """Flow conductivity of faces of any kind over a range of contact pressures.
+
+    Parameters
+    ----------
+    surface : FaceContact
+    p_min, p_max, num
+        See `RoughContact.conductivity_table`.
+    of_gas : bool
+        For all gases, see `leak.gas_conductivity_table`.
+    """
+    if isinstance(surface, TurnedContact):
+        return (surface.gas_conductivity_table if of_gas else surface.conductivity_table)(p_min, p_max, num)
+    if of_gas:
+        return gas_conductivity_table(surface, p_min, p_max, num)
+    return surface.conductivity_table(p_min, p_max, num)
