@@ -114,6 +114,7 @@ from .surfaces.spectrum import PowerSpectrum as PowerSpectrum
 from .surfaces.stretched import StretchedRoughness as StretchedRoughness
 from .surfaces.stretched import stretched_roughness as stretched_roughness
 from .surfaces.stretched import stretched_spectrum as stretched_spectrum
+from .surfaces.turned import Cusps as Cusps
 from .surfaces.turned import TurnedTexture as TurnedTexture
 from .surfaces.turned_scan import TurnedScan as TurnedScan
 from .surfaces.turned_scan import recognise_texture as recognise_texture

@@ -314,11 +314,7 @@ class DirectSimulation:
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
         surface, patch, spectrum = self.surface, self.patch, self.patch.grid_spectrum
-        shape = (
-            (patch.texture.feed, patch.texture.nose_radius)
-            if isinstance(patch, TexturePatch)
-            else patch.peklenik
-        )
+        shape = patch.texture.shape if isinstance(patch, TexturePatch) else patch.peklenik
         flow = self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP, piece.unload
         yields = surface.hardness if self.settings.yield_stress is None else flow
         about = [

@@ -34,7 +34,7 @@ class TexturePatch:
     points : int
         Along a side, a multiple of `crests`.
     crests : int
-        Feeds along a side.
+        Feeds along a side; of two turned faces so many times what repeats.
 
     Raises
     ------
@@ -65,7 +65,7 @@ class TexturePatch:
     @property
     def size(self) -> float:
         """Side [m]."""
-        return self.crests * self.texture.feed
+        return self.crests * self.texture.period
 
     @property
     def spectrum(self) -> PowerSpectrum:
@@ -165,7 +165,7 @@ def texture_points(texture: TurnedTexture, crests: int = 2) -> int:
     _check_crests(crests)
     # fewer do not show a throat; more take over 90 s of one core for twelve pressures and two seeds
     least, most = 128, 512
-    wanted = _POINTS_PER_WAVE * crests * texture.feed * texture.fine.q_high / (2.0 * math.pi)
+    wanted = _POINTS_PER_WAVE * crests * texture.period * texture.fine.q_high / (2.0 * math.pi)
     # but for rounding
     side = math.ceil(min(max(wanted, least), most) / crests - 1e-6)
     return crests * min(next_fast_len(side, real=True), max(most // crests, 1))
@@ -210,7 +210,7 @@ def simulate_texture(
     poissons_ratio : float
         Of metal that flows [-].
     crests : int
-        Feeds along a side of the square.
+        Feeds along a side of the square; of two turned faces so many times what repeats.
     points : int, optional
         Along a side, a multiple of `crests`; see `texture_points`.
     seeds : sequence of int

@@ -17,23 +17,26 @@ from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.surfaces.turned import TurnedTexture
-from leak.theory.crest_line import CrestLines, PressedCrests
+from leak.surfaces.turned import Crest, Cusps, TurnedTexture
+from leak.theory.crest_line import CrestLines, PressedCrests, of_each
 from leak.theory.interface_law import TabulatedLaw
 from leak.theory.own_error import FlowError
 from leak.theory.plasticity import Reading
 
-# Places along a piece of crest, pieces, feeds that a piece is long at least, and points in the shortest wave of the fine
-# roughness on it.
+# Places along a piece of crest, pieces, feeds that a piece is long at least, and points in the shortest wave of the
+# fine roughness on it.
 _PLACES, _PIECES, _LEAST_FEEDS, _POINTS_PER_WAVE, _SEED = 1024, 8, 4, 4, 1
 # A crest is known so many rms heights down its sides, and so many points at least.
 _DEPTH, _LEAST_POINTS = 12.0, 16
+# Over the rms height of the fine roughness: by how much crests differ that count as equally high, depth of valleys from
+# which on fluid finds its way along them, and gaps for which throats between two turned faces are known.
+_ALIKE, _OPEN_VALLEY, _THROAT_GAPS = 0.25, 0.6, np.geomspace(1e-4, 1e4, 97)
 # Rms heights of the tops between two levels of the flat, and where it begins above their mean.
 _STEP, _FIRST = 0.8, 3.0
 # ... their most, and growth of the steps once nothing flows.
 _MOST_LEVELS, _GROWTH = 40, 1.5
-# Points of the law beyond the rough crests.
-_SMOOTH = 20
+# Points of the law beyond the rough crests, and of a smooth crest from valley to valley.
+_SMOOTH, _ACROSS = 20, 1025
 # A face whose conductivity has fallen to this share of the first one is sealed.
 _SEALED = 1e-9
 _TINY = float(np.finfo(float).tiny)
@@ -69,11 +72,13 @@ class _State(NamedTuple):
 
 @dataclass(frozen=True)
 class TurnedContact:
-    """Contact between a turned face and a flat, elastic or with crests that yield.
+    """Contact between a turned face and a flat or another turned one, elastic or with crests that yield.
 
     All load is carried by the crests; between them the gap is open and resists nothing. With g(y) the least gap at a
     place along a crest, a throat between sides of slope m conducts m g^2/(12 eta) of a length of crest, since the
     integral of dx/(g + m abs(x))^3 is 1/(m g^2); crests a feed f apart in series conduct f m <g^2>/(12 eta).
+    Two turned faces count as one whose depths add. Its crests stand where one of both has a crest, as high as the other
+    one is there, and have sides of unlike slopes; their resistances add.
 
     Parameters
     ----------
@@ -83,6 +88,11 @@ class TurnedContact:
         Of the tool [m].
     fine : PowerSpectrum
         Roughness on the crests, with that of the other face.
+    other : Cusps, optional
+        Feed and nose radius of a turned face on this one.
+    phase : float
+        Way from a crest of this face to one of the other, over that after which both lie alike: a feed, if the feeds
+        are equal; not known of real faces, so sample it [-].
     effective_modulus : float
         E* [Pa].
     hardness : float, optional
@@ -108,6 +118,8 @@ class TurnedContact:
     feed: float = field(kw_only=True)
     nose_radius: float = field(kw_only=True)
     fine: PowerSpectrum = field(kw_only=True)
+    other: Cusps | None = field(default=None, kw_only=True)
+    phase: float = field(default=0.5, kw_only=True)
     effective_modulus: float = field(kw_only=True)
     hardness: float | None = field(default=None, kw_only=True)
     thread_radius: float = field(default=math.inf, kw_only=True)
@@ -115,17 +127,22 @@ class TurnedContact:
     peklenik: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
-        TurnedTexture(self.feed, self.nose_radius, self.fine)
+        self.texture  # noqa: B018
         positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
         if self.hardness is not None:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
         if not self.thread_radius > 0.0:
             raise SurfaceError(f"thread_radius = {self.thread_radius:g} m: must be positive [m]")
 
-    @property
+    @cached_property
     def texture(self) -> TurnedTexture:
-        """The face without load."""
-        return TurnedTexture(self.feed, self.nose_radius, self.fine)
+        """The face without load, together with the other one."""
+        return TurnedTexture(self.feed, self.nose_radius, self.fine, self.other, self.phase)
+
+    @cached_property
+    def _crests(self) -> tuple[Crest, ...]:
+        """Those that repeat together."""
+        return self.texture.crests(self.fine.rms_height)
 
     @property
     def spectrum(self) -> PowerSpectrum:
@@ -162,6 +179,11 @@ class TurnedContact:
         return False
 
     @property
+    def _crest_distance(self) -> float:
+        """On average [m]."""
+        return self.texture.period / len(self._crests)
+
+    @property
     def contact_pressure(self) -> float:
         """Mean pressure where a crest touches: of elastic sides E* m'/2, limited by the hardness [Pa].
 
@@ -172,29 +194,118 @@ class TurnedContact:
         K. L. Johnson, Contact mechanics (1985), sec. 5.2, of an elastic wedge. Its pressure and the hardness are joined
         by the square of their inverses, as elastic edges remain around what has yielded.
         """
-        slope = math.hypot(self.texture.side_slope, self._resolved.rms_slope / math.sqrt(2.0))
+        sides = sum(crest.slope for crest in self._crests) / len(self._crests)
+        slope = math.hypot(sides, self._resolved.rms_slope / math.sqrt(2.0))
         elastic = 0.5 * self.effective_modulus * slope
         return elastic if self.hardness is None else 1.0 / math.hypot(1.0 / elastic, 1.0 / self.hardness)
 
     @cached_property
     def _resolved(self) -> PowerSpectrum:
         """Fine roughness without waves that are short beside the feed, as direct simulations have it."""
-        shortest = _POINTS_PER_WAVE * _LEAST_FEEDS * self.feed / _PLACES
+        shortest = _POINTS_PER_WAVE * _LEAST_FEEDS * self.texture.mean_feed / _PLACES
         cut = max(2.0 * math.pi / shortest, 2.0 * self.fine.q_low)
-        return self.fine if self.fine.q_high <= cut * (1.0 + 1e-9) else self.fine.between(self.fine.q_low, cut)
+        return (
+            self.fine if self.fine.q_high <= cut * (1.0 + 1e-9) else self.fine.between(self.fine.q_low, cut)
+        )
 
     @property
     def lines(self) -> CrestLines:
         """Pieces of its crests, from one random map of the fine roughness."""
-        texture, fine = self.texture, self._resolved
+        fine, crests = self._resolved, self._crests
         spacing = 2.0 * math.pi / fine.q_high / _POINTS_PER_WAVE
-        reach = min(0.5 * self.feed, _LEAST_POINTS * spacing + _DEPTH * fine.rms_height / texture.side_slope)
+        lowest, slope = min(crest.height for crest in crests), min(crest.slope for crest in crests)
+        reach = min(
+            max(max(crest.valleys) for crest in crests),
+            _LEAST_POINTS * spacing + (_DEPTH * fine.rms_height - lowest) / slope,
+        )
         across = np.arange(-int(reach / spacing), int(reach / spacing) + 1)
         heights = _heights_of(fine, spacing)
-        middles = np.arange(_PIECES) * (_PLACES // _PIECES)
-        cusp = texture.depth_at(np.abs(across) * spacing)
-        pieces = np.stack([heights[:, (middle + across) % _PLACES] - cusp for middle in middles])
-        return CrestLines(pieces, spacing, self.feed, self.effective_modulus, self.contact_pressure)
+        rows = max(_PIECES // len(crests), 1)
+        pieces = [
+            heights[:, (row * (_PLACES // rows) + round(crest.place / spacing) + across) % _PLACES]
+            - self._cusp(crest, np.asarray(across * spacing))
+            for row in range(rows)
+            for crest in crests
+        ]
+        places, smooth = (
+            np.array([getattr(crest, name) for crest in crests]) for name in ("place", "height")
+        )
+        return CrestLines(
+            np.stack(pieces),
+            spacing,
+            self._crest_distance,
+            self.effective_modulus,
+            self.contact_pressure,
+            places,
+            smooth,
+        )
+
+    def _cusp(self, crest: Crest, x: FloatArray) -> FloatArray:
+        """Depth of a smooth crest at a way x from its top, on beyond its valleys with its slope [m]."""
+        if self.other is None:
+            return self.texture.depth_at(np.abs(x))
+        within = np.clip(x, -crest.valleys[0], crest.valleys[1])
+        return self.texture.depth_below(crest.place + within) + crest.slope * np.abs(x - within)
+
+    @cached_property
+    def _throat_slopes(self) -> tuple[tuple[FloatArray, FloatArray], ...]:
+        """Of each crest ln of gaps [m], and of m of the throat m g^2 of straight sides from valley to valley [-]."""
+        gaps = self.fine.rms_height * _THROAT_GAPS[:, None]
+        slopes = []
+        for crest in self._crests:
+            x = np.linspace(-crest.valleys[0], crest.valleys[1], _ACROSS)
+            depth = self.texture.depth_below(crest.place + x) + 0.5 * self.texture.curvature * x**2
+            h = gaps + depth - depth.min()
+            resistance = np.diff(x) * (h[:, 1:] + h[:, :-1]) / (2.0 * h[:, 1:] ** 2 * h[:, :-1] ** 2)
+            slopes.append((np.log(gaps[:, 0]), -np.log(resistance.sum(axis=1) * gaps[:, 0] ** 2)))
+        return tuple(slopes)
+
+    def _throats(self, gap: FloatArray) -> FloatArray:
+        """m g^2 of all places of each crest, shape (n, ...) [m^2]."""
+        gaps = of_each(gap, len(self._crests))
+        if self.other is None:
+            return self.texture.side_slope * gaps**2
+        with np.errstate(divide="ignore"):
+            slopes = [
+                np.interp(np.log(of), *table) for of, table in zip(gaps, self._throat_slopes, strict=True)
+            ]
+        return np.exp(slopes) * gaps**2
+
+    @cached_property
+    def _alike(self) -> FloatArray:
+        """Shares of the crests that are as high as one, shape (n, n): on a long face they hold the same places."""
+        heights = np.round(
+            np.array([crest.height for crest in self._crests]) / (_ALIKE * self.fine.rms_height)
+        )
+        same = (heights[:, None] == heights).astype(float)
+        return np.asarray(same / same.sum(axis=1)[:, None])
+
+    @cached_property
+    def _bridged(self) -> tuple[tuple[int, int, float], ...]:
+        """Neighbouring crests whose valley hardly leads along them, and its depth over that of one that does [-]."""
+        shares = [crest.next_valley / (_OPEN_VALLEY * self.fine.rms_height) for crest in self._crests]
+        count = len(shares)
+        return tuple(
+            (one, (one + 1) % count, share) for one, share in enumerate(shares) if share < 1.0 < count
+        )
+
+    def _in_series(self, throats: FloatArray) -> float:
+        """12 eta times the conductivity across crests of such throats [m^3].
+
+        Fluid that has crossed a crest goes along the valley to where the next one is open; where there is hardly a
+        valley it crosses both at the same place. Between both limits the logarithm crosses over.
+        """
+        means = self._alike @ throats.mean(axis=1)
+        if not means.all():
+            return 0.0
+        resistance = np.mean(1.0 / means)
+        for one, two, share in self._bridged:
+            apart = 1.0 / means[one] + 1.0 / means[two]
+            with np.errstate(divide="ignore"):
+                together = np.mean(1.0 / (1.0 / throats[one] + 1.0 / throats[two]))
+            more = np.maximum(together * apart, _SEALED) ** (share - 1.0) - 1.0
+            resistance += apart * more / len(means)
+        return float(self._crest_distance / resistance)
 
     @property
     def _path(self) -> tuple[_State, ...]:
@@ -212,14 +323,13 @@ class TurnedContact:
     @property
     def touch_distance(self) -> float:
         """Mean gap of faces that just touch, valleys included [m]: of a million places one is five rms heights high."""
-        return 2.0 / 3.0 * self.texture.crest_height + 5.0 * self.fine.rms_height
+        return self.texture.mean_depth + 5.0 * self.fine.rms_height
 
     def _state(self, pressed: PressedCrests) -> _State:
-        m, r_t = self.texture.side_slope, self.texture.crest_height
         return _State(
             pressed.pressure,
-            pressed.level + 2.0 / 3.0 * r_t + pressed.overlap,
-            self.feed * m * float(np.mean(pressed.gap**2)),
+            pressed.level + self.texture.mean_depth + pressed.overlap,
+            self._in_series(self._throats(pressed.gap)),
             pressed.level,
             pressed.gap,
         )
@@ -255,13 +365,9 @@ class TurnedContact:
 
     @cached_property
     def _law(self) -> TabulatedLaw:
-        states, texture = self._path, self.texture
+        states = self._path
         share = np.linspace(states[-1].pressure / self.contact_pressure, 0.98, _SMOOTH + 1)
-        half = 0.5 * self.feed * share
-        below = 0.5 * texture.side_slope * half**2 - half**3 / (6.0 * self.nose_radius)
-        rest = (
-            texture.crest_height * self.feed / 3.0 - below - texture.depth_at(half) * (0.5 * self.feed - half)
-        )
+        rest = self.texture.gap_at(share)
         gap, pressure = (
             [getattr(state, name) for state in states[::-1]] for name in ("mean_gap", "pressure")
         )
@@ -399,7 +505,7 @@ class TurnedContact:
     @property
     def _winding(self) -> float:
         """Square of the way across the contact over that along the thread [-]."""
-        return (self.feed / (2.0 * math.pi * self.thread_radius)) ** 2
+        return (self.texture.mean_feed / (2.0 * math.pi * self.thread_radius)) ** 2
 
     def valley_gaps(self, pressure: ArrayLike) -> FloatArray:
         """Gaps across a valley under the flat, which stands as high above it as the mean gap says [m].
@@ -412,11 +518,10 @@ class TurnedContact:
         Returns
         -------
         ndarray, shape (..., n)
-            At evenly spaced places from the crest to the middle of the valley.
+            At evenly spaced places from the crest to the middle of the valley; of two faces, of all that repeats.
         """
-        depth = self.texture.depth_at(np.linspace(0.0, 0.5 * self.feed, 513)[1::2])
-        level = np.asarray(self.mean_separation(pressure)) - 2.0 / 3.0 * self.texture.crest_height
-        return np.asarray(np.maximum(level[..., None] + depth, 0.0))
+        level = np.asarray(self.mean_separation(pressure)) - self.texture.mean_depth
+        return np.asarray(np.maximum(level[..., None] + self.texture.depths, 0.0))
 
     def thread_share(self, pressure: ArrayLike) -> FloatArray:
         """Conductivity of the thread over that of thread and crests [-]; zero for rings.
@@ -470,8 +575,12 @@ class TurnedContact:
         # before the first touch all gaps open as the law of the interface says, and then go on with ln p
         before = pressure[0] * np.exp(-np.arange(_BEFORE_TOUCH, 0, -1))
         wider = np.asarray(self.mean_separation(before)) - flowing[0].mean_gap
-        throats = [np.mean((flowing[0].least_gap + more) ** 2) for more in wider]
-        opened = np.cbrt(np.array(throats) / np.mean(flowing[0].least_gap ** 2))
+        opened = np.cbrt(
+            [
+                self._in_series(self._throats(flowing[0].least_gap + more)) / flowing[0].gap_cubed
+                for more in wider
+            ]
+        )
         pressure, u = np.concatenate([before, pressure]), np.concatenate([u[0] * opened, u])
         return ConductivityTable(pressure, u, sealing, sealing)
 
@@ -481,7 +590,7 @@ class TurnedContact:
         if share == 1.0:
             return gas_conductivity_table(self._rough, _LOWEST * sealing, sealing)
         log_u = np.log(liquid.separation[_BEFORE_TOUCH:])
-        flows = np.stack([_log_gas_flow(*pair) for pair in zip(self._flowing, log_u, strict=False)])
+        flows = np.stack([self._log_gas_flow(*pair) for pair in zip(self._flowing, log_u, strict=False)])
         flows = np.pad(flows, ((_BEFORE_TOUCH, _BEYOND if share > 0.0 else 0), (0, 0)), mode="edge")
         if share > 0.0:
             top = self._rough.sealing_pressure
@@ -494,6 +603,22 @@ class TurnedContact:
             of_rough = rough.log_flow_at(log_p)(_LOG_D + wider)
             flows = (1.0 - share) * flows + share * of_rough
         return GasConductivityTable(liquid, flows - log_flow_factor(_LOG_D), _LOG_D)
+
+    def _log_gas_flow(self, state: _State, log_u: float) -> FloatArray:
+        """ln of a gas's flow through all throats over that of a liquid, at `_LOG_D` of an effective gap."""
+        throats = self._throats(state.least_gap)
+        liquid, gas = throats.sum(axis=1), np.zeros((len(throats), _LOG_D.size))
+        for number, gaps in enumerate(of_each(state.least_gap, len(self._crests))):
+            is_open = gaps > 0.0
+            if is_open.any():
+                # of the liquid's flow, m g^2, so much goes through gaps of about this size
+                log_gap, weights = np.log(gaps[is_open]), throats[number, is_open]
+                flow, ends = np.histogram(log_gap, bins=_LOG_THROAT.size, weights=weights)
+                gas[number] = (
+                    np.exp(_log_throat(_LOG_D[:, None] + 0.5 * (ends[1:] + ends[:-1]) - log_u)) @ flow
+                )
+        resistances = ((1.0 / (self._alike @ flows)).sum(axis=0) for flows in (liquid, gas))
+        return np.asarray(np.log(next(resistances)) - np.log(next(resistances)))
 
     @property
     def _flowing(self) -> list[_State]:
@@ -578,7 +703,9 @@ class TurnedContact:
         fallen = np.maximum(fallen, 0.0)
         theory = np.interp(fallen, _FALLEN, _SPREAD) ** 2
         length = 2.0 * math.pi / self.fine.median_wavenumber
-        sample = (_OPEN_PLACES * 10.0 ** (_FEWER_PLACES * fallen)) ** 2 * self.feed / (waves * length)
+        sample = (
+            (_OPEN_PLACES * 10.0 ** (_FEWER_PLACES * fallen)) ** 2 * self._crest_distance / (waves * length)
+        )
         parts = {"turned crests": theory, "few waves": sample}
         bias = np.zeros(fallen.shape)
         if of_rough is not None:
@@ -621,10 +748,8 @@ def _heights_of(fine: PowerSpectrum, spacing: float) -> FloatArray:
 def _load(face: TurnedContact) -> tuple[_State, ...]:
     """First loading, level by level, until the crests are flat or no more is known of them."""
     lines = face.lines
-    level, step = (
-        float(lines.tops.mean()) + _FIRST * float(lines.tops.std()),
-        _STEP * float(lines.tops.std()),
-    )
+    tops = lines.rough_tops
+    level, step = float(tops.mean()) + _FIRST * float(tops.std()), _STEP * float(tops.std())
     states: list[_State] = []
     width: FloatArray | None = None
     for _ in range(_MOST_LEVELS):
@@ -642,16 +767,6 @@ def _load(face: TurnedContact) -> tuple[_State, ...]:
                 step *= _GROWTH
         level -= step
     return tuple(states)
-
-
-def _log_gas_flow(state: _State, log_u: float) -> FloatArray:
-    """ln of a gas's flow through all throats over that of a liquid, at `_LOG_D` of an effective gap."""
-    log_gap = np.log(state.least_gap[state.least_gap > 0.0])
-    # of the liquid's flow, m g^2, so much goes through gaps of about this size
-    flow, ends = np.histogram(log_gap, bins=_LOG_THROAT.size, weights=np.exp(2.0 * log_gap))
-    middle = 0.5 * (ends[1:] + ends[:-1])
-    log_factor = _log_throat(_LOG_D[:, None] + middle - log_u)
-    return np.asarray(np.log(np.exp(log_factor) @ (flow / flow.sum())))
 
 
 def _log_throat(log_inverse_knudsen: FloatArray) -> FloatArray:

@@ -9,8 +9,9 @@ neighbours along the crest, as a half-space gives under a band that is as wide a
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
@@ -63,15 +64,20 @@ class CrestLines:
     Parameters
     ----------
     heights : ndarray, shape (crests, places, points)
-        Of the face above the mean line of the smooth crests, along each crest and across it [m].
+        Of the face above the mean line of the highest smooth crests, along each crest and across it [m]; crests of a
+        row follow each other.
     spacing : float
         Of the points in both directions [m].
     feed : float
-        Distance of the crests [m].
+        Distance of the crests, on average [m].
     effective_modulus : float
         E* [Pa].
     contact_pressure : float
         Mean pressure where a crest touches [Pa].
+    row : ndarray, shape (n,), optional
+        Places across the crests of those n that differ and repeat together, rising [m].
+    smooth : ndarray, shape (n,), optional
+        Heights of these without the fine roughness, zero of the highest [m].
     """
 
     heights: FloatArray
@@ -79,11 +85,18 @@ class CrestLines:
     feed: float
     effective_modulus: float
     contact_pressure: float
+    row: FloatArray = field(default_factory=lambda: np.zeros(1))
+    smooth: FloatArray = field(default_factory=lambda: np.zeros(1))
 
     @cached_property
     def tops(self) -> FloatArray:
         """Highest point of each place, shape (crests, places) [m]."""
         return self.heights.max(axis=2)
+
+    @cached_property
+    def rough_tops(self) -> FloatArray:
+        """Above the smooth crest of each, shape (crests, places) [m]."""
+        return self.tops - np.resize(self.smooth, self.heights.shape[0])[:, None]
 
     @property
     def most_width(self) -> float:
@@ -142,14 +155,18 @@ class CrestLines:
     @cached_property
     def _scale(self) -> float:
         """Rms height of the tops; of smooth crests what they fall by over a spacing [m]."""
-        return float(np.std(self.tops) + _OF_FALL * np.mean(self._edges[:, :, 0] - self._edges[:, :, 1]))
+        return float(
+            np.std(self.rough_tops) + _OF_FALL * np.mean(self._edges[:, :, 0] - self._edges[:, :, 1])
+        )
 
     @cached_property
     def _wavenumbers(self) -> FloatArray:
         return np.asarray(2.0 * np.pi * np.fft.rfftfreq(self.heights.shape[1], self.spacing))
 
-    def _give(self, half_width: float) -> FloatArray:
+    def _give(self, half_width: FloatArray) -> FloatArray:
         """Sinking over the width of contacts, of waves along the crest, on average over a contact [-].
+
+        Of each crest of the row under the load of each, shape (n, n, waves), for the half widths of their contacts.
 
         References
         ----------
@@ -159,21 +176,35 @@ class CrestLines:
         """
         from scipy.special import iti0k0, k1
 
-        k, f = self._wavenumbers[1:], self.feed
-        x = 2.0 * half_width * k
-        give: FloatArray = np.empty(k.size + 1)
-        give[0] = math.log(f / (4.0 * math.pi * half_width)) + 1.5
-        give[1:] = 2.0 * (x * iti0k0(x)[1] - 1.0 + x * k1(x)) / x**2
-        give[1:] += self._give_by_neighbours
+        k, f, give = self._wavenumbers[1:], self._period, self._coupling.copy()
+        for one, of_one in enumerate(half_width):
+            x = 2.0 * of_one * k
+            give[one, one, 0] = math.log(f / (4.0 * math.pi * of_one)) + 1.5
+            give[one, one, 1:] += 2.0 * (x * iti0k0(x)[1] - 1.0 + x * k1(x)) / x**2
         return np.asarray(2.0 * self.contact_pressure / (math.pi * self.effective_modulus) * give)
 
+    @property
+    def _period(self) -> float:
+        """After which the row repeats [m]."""
+        return self.feed * self.row.size
+
     @cached_property
-    def _give_by_neighbours(self) -> FloatArray:
-        """What equal lines to both sides add to `_give`, but for the mean [-]."""
+    def _coupling(self) -> FloatArray:
+        """Of `_give` the part of all other crests, without the factor of the pressure, shape (n, n, waves) [-]."""
         from scipy.special import k0
 
-        x = self._wavenumbers[1:] * self.feed
-        return np.asarray(sum(2.0 * k0(x * number) for number in range(1, _NEIGHBOURS + 1)))
+        k, f, n = self._wavenumbers[1:], self._period, self.row.size
+        coupling = np.zeros((n, n, k.size + 1))
+        coupling[range(n), range(n), 1:] = sum(
+            2.0 * k0(k * number * f) for number in range(1, _NEIGHBOURS + 1)
+        )
+        repeated = f * np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
+        for one, two in combinations(range(n), 2):
+            apart = self.row[two] - self.row[one]
+            coupling[one, two, 0] = -math.log(2.0 * math.sin(math.pi * apart / f))
+            coupling[one, two, 1:] = k0(k * np.abs(apart + repeated)[:, None]).sum(axis=0)
+            coupling[two, one] = coupling[one, two]
+        return coupling
 
     def press(self, level: float, start: FloatArray | None = None) -> PressedCrests:
         """First loading to a level of the flat.
@@ -201,7 +232,7 @@ class CrestLines:
             active = (width > 0.0) | (apart < 0.0)
             last, half_width = half_width, self._half_width(width)
             is_solved = (apart[active] ** 2).sum() <= (_TOLERANCE * self._scale) ** 2 * active.sum()
-            if is_solved and abs(half_width - last) < _BAND_CHANGE * half_width:
+            if is_solved and np.all(abs(half_width - last) < _BAND_CHANGE * half_width):
                 break
             if is_solved:
                 continue
@@ -225,14 +256,25 @@ class CrestLines:
             self.contact_pressure * float(width.mean()) / self.feed, level, width, gap, overlap
         )
 
-    def _half_width(self, width: FloatArray) -> float:
-        touching = width[width > 0.0]
-        return max(0.5 * float(touching.mean()) if touching.size else 0.0, 0.25 * self.spacing)
+    def _half_width(self, width: FloatArray) -> FloatArray:
+        """Of the contacts of each crest of the row, shape (n,) [m]."""
+        touching = [part[part > 0.0] for part in of_each(width, self.row.size)]
+        means = [0.5 * float(part.mean()) if part.size else 0.0 for part in touching]
+        return np.maximum(means, 0.25 * self.spacing)
+
+
+def of_each(values: FloatArray, crests: int) -> FloatArray:
+    """Values at the places of each crest of a row, shape (crests, all its places)."""
+    return values.reshape(-1, crests, values.shape[1]).swapaxes(0, 1).reshape(crests, -1)
 
 
 def _along(give: FloatArray, width: FloatArray) -> FloatArray:
     """Sinking of each place under the load of all [m]."""
-    return np.fft.irfft(give * np.fft.rfft(width, axis=1), width.shape[1], axis=1)
+    waves = np.fft.rfft(width, axis=1)
+    if give.shape[0] == 1:
+        return np.fft.irfft(give[0, 0] * waves, width.shape[1], axis=1)
+    rows = waves.reshape(-1, give.shape[0], waves.shape[1])
+    return np.fft.irfft(np.einsum("ijk,rjk->rik", give, rows).reshape(waves.shape), width.shape[1], axis=1)
 
 
 def _energy(level: float, width: FloatArray, sinking: FloatArray, section: FloatArray) -> float:
@@ -245,7 +287,8 @@ def _conjugate_gradients(
 ) -> FloatArray:
     """Change of the widths that closes a distance where the contact is active [m]."""
     change, rest = np.zeros(distance.shape), np.where(active, distance, 0.0)
-    scale = 1.0 / (fall + float(give.mean()))
+    own = give.diagonal().mean(axis=0)
+    scale = 1.0 / (fall + np.resize(own, fall.shape[0])[:, None])
     direction = scaled = scale * rest
     product = first = float((rest * scaled).sum())
     for _ in range(_MOST_GRADIENTS):

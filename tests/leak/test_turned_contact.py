@@ -79,7 +79,7 @@ def test_band_gives_as_a_half_space_does(waves):
     mean = quad(lambda t: 4.0 * t * (1.0 - t**2) * k0(2.0 * a * k * t**2), 0.0, 1.0)[0]
     neighbours = sum(2.0 * k0(k * number * line.feed) for number in range(1, 5))
     expected = 2.0 * 3.5e9 / (math.pi * 115e9) * (mean + neighbours)
-    assert line._give(a)[waves] == pytest.approx(expected, rel=1e-6)
+    assert line._give(np.array([a]))[0, 0, waves] == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_row_of_equal_bands_sinks_as_by_boundary_elements():
@@ -92,7 +92,9 @@ def test_a_row_of_equal_bands_sinks_as_by_boundary_elements():
     size[0, 0] = np.inf
     sinking = np.fft.ifft2(np.fft.fft2(load) * 2.0 / (115e9 * size)).real
     line = smooth_line()
-    assert line._give(4.0 * f / n)[0] * 8.0 * f / n == pytest.approx(sinking[:8].mean(), rel=5e-3)
+    assert line._give(np.array([4.0 * f / n]))[0, 0, 0] * 8.0 * f / n == pytest.approx(
+        sinking[:8].mean(), rel=5e-3
+    )
 
 
 def test_smooth_crests_are_as_wide_as_their_load_asks_for():
@@ -103,9 +105,28 @@ def test_smooth_crests_are_as_wide_as_their_load_asks_for():
     assert np.ptp(pressed.width) < 1e-12
     assert pressed.pressure == pytest.approx(3.5e9 * width / 1e-4)
     # the edge of a band sinks p w/(pi E*) less than its mean
-    edge = -0.6e-7 + (line._give(width / 2)[0] - 3.5e9 / (math.pi * 115e9)) * width
+    edge = -0.6e-7 + (line._give(np.array([width / 2]))[0, 0, 0] - 3.5e9 / (math.pi * 115e9)) * width
     assert edge == pytest.approx(-width / 32.0, rel=0.02)
     assert (pressed.gap == 0.0).all()
+
+
+def test_two_crests_sink_as_by_boundary_elements():
+    """Bands of two loads, 3/8 of their period apart: the mean sinking under both, and that of a wave along them."""
+    n, f, apart = 512, 2e-4, 192
+    y = 2.0 * np.pi * np.arange(n) / n
+    load = np.zeros((n, n))
+    load[:8], load[apart : apart + 8] = 1.0 + 0.5 * np.cos(3.0 * y), 0.5 - 0.25 * np.cos(3.0 * y)
+    q = 2.0 * np.pi * np.fft.fftfreq(n, f / n)
+    size = np.hypot(q[:, None], q[None, :])
+    size[0, 0] = np.inf
+    sinking = np.fft.ifft2(np.fft.fft2(3.5e9 * load) * 2.0 / (115e9 * size)).real
+    under = np.array([sinking[:8].mean(axis=0), sinking[apart : apart + 8].mean(axis=0)])
+    places = np.zeros((2, n, 9))
+    line = CrestLines(places, f / n, f / 2.0, 115e9, 3.5e9, np.array([0.0, apart * f / n]), np.zeros(2))
+    give = line._give(np.full(2, 4.0 * f / n)) * 8.0 * f / n
+    assert give[:, :, 0] @ [1.0, 0.5] == pytest.approx(under.mean(axis=1), rel=5e-3)
+    wave = 2.0 * (under * np.cos(3.0 * y)).mean(axis=1)
+    assert give[:, :, 3] @ [0.5, -0.25] == pytest.approx(wave, rel=1e-2)
 
 
 def test_lower_places_stay_open_until_the_flat_comes_down():
@@ -487,3 +508,73 @@ def test_error_holds_the_states_of_the_reference():
             assert narrow[1] < 4.0 * narrow[0]
     assert len(held) >= 10
     assert np.mean(held) >= 0.9
+
+
+def pair(phase: float = 0.5, feed: float = 1e-4, nose_radius: float = 8e-4, **changes) -> leak.TurnedContact:
+    """Two turned faces on each other."""
+    return turned(other=leak.Cusps(feed, nose_radius), phase=phase, **changes)
+
+
+def test_equal_faces_half_a_feed_apart_are_one_of_half_the_feed():
+    """Parabolas add: crests of the same slope, half a feed apart, a quarter as high over twice the curvature."""
+    both, p = pair(), np.array([5e6, 20e6, 50e6])
+    one = turned(feed=5e-5, nose_radius=4e-4)
+    assert both.texture.crest_height == pytest.approx(one.texture.crest_height, rel=1e-4)
+    assert both.texture.mean_depth == pytest.approx(one.texture.mean_depth)
+    assert both.contact_pressure == pytest.approx(one.contact_pressure)
+    assert both.mean_separation(p) == pytest.approx(one.mean_separation(p), rel=5e-3)
+    assert both.flow_conductivity(p, 1e-3) == pytest.approx(one.flow_conductivity(p, 1e-3), rel=0.05)
+    thread = one.spiral_conductivity(p, 1e-3, 0.02) * 4.0
+    assert both.spiral_conductivity(p, 1e-3, 0.02) == pytest.approx(thread, rel=1e-2)
+
+
+def test_equal_faces_whose_crests_meet_are_one_of_twice_the_slope():
+    both, p = pair(phase=0.0), np.array([5e6, 20e6, 50e6])
+    one = turned(nose_radius=4e-4)
+    assert both.mean_separation(p) == pytest.approx(one.mean_separation(p), rel=1e-4)
+    assert both.flow_conductivity(p, 1e-3) == pytest.approx(one.flow_conductivity(p, 1e-3), rel=0.01)
+    assert both.critical_separation(p) == pytest.approx(one.critical_separation(p), rel=1e-4)
+    gas = [face.gas_conductivity_table(1e6, 1e8).rarefaction(math.log(2e7), 0.0) for face in (both, one)]
+    assert gas[0] == pytest.approx(gas[1], rel=0.01)
+
+
+def test_it_does_not_matter_which_face_is_the_other_one():
+    p = np.array([5e6, 20e6, 50e6])
+    one = pair(0.3, feed=7.5e-5, nose_radius=6e-4)
+    mirrored = pair(0.7, feed=7.5e-5, nose_radius=6e-4)
+    exchanged = turned(7.5e-5, 6e-4, other=leak.Cusps(1e-4, 8e-4), phase=0.3)
+    for same in (mirrored, exchanged):
+        for quantity in ("mean_separation", "contact_area", "critical_separation", "effective_separation"):
+            assert getattr(same, quantity)(p) == pytest.approx(getattr(one, quantity)(p), rel=1e-6), quantity
+
+
+@pytest.mark.parametrize("other", [(5e-6, 1.6e-3), (9e-5, 1e3)])
+def test_a_face_with_hardly_any_cusps_is_flat(other):
+    p = np.array([5e6, 20e6])
+    assert pair(0.5, *other).mean_separation(p) == pytest.approx(steel().mean_separation(p), rel=0.02)
+    assert pair(0.5, *other).flow_conductivity(p, 1e-3) == pytest.approx(
+        steel().flow_conductivity(p, 1e-3), rel=0.1
+    )
+
+
+def test_two_faces_with_all_lengths_halved_conduct_an_eighth():
+    p = np.array([5e6, 20e6, 50e6])
+    usual = pair(0.3, feed=7.5e-5)
+    half = pair(0.3, feed=3.75e-5, nose_radius=4e-4, scale=0.5, fine=fine(0.5e-7, 0.5))
+    assert half.flow_conductivity(p, 1e-3) == pytest.approx(usual.flow_conductivity(p, 1e-3) / 8.0, rel=1e-6)
+    assert half.touch_distance == pytest.approx(usual.touch_distance / 2.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"other": leak.Cusps(-1e-4, 8e-4)}, "other.feed"),
+        ({"other": leak.Cusps(1e-4, 0.0)}, "other.nose_radius"),
+        ({"other": leak.Cusps(1e-3, 8e-4)}, "other.feed"),
+        ({"phase": 1.5}, "phase"),
+        ({"phase": math.nan}, "phase"),
+    ],
+)
+def test_impossible_other_faces_are_refused(changes, reason):
+    with pytest.raises(leak.SurfaceError, match=reason):
+        turned(**changes)
