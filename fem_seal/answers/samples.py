@@ -21,7 +21,8 @@ from fem_seal.case.roughness import (
     SelfAffine,
     UncertainFinish,
     UncertainHeight,
-    scan_spectra,
+    fine_of,
+    scanned_faces,
     self_affine_part,
     uncertain_finishes,
     uncertain_heights,
@@ -34,7 +35,7 @@ from fem_seal.seal.evaluate import Batch, evaluate_many
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import TEST_GAS
 from fem_seal.seal.sources import NeighbourSource
-from leak import TurnedContact
+from leak import TurnedContact, TurnedTexture
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -56,7 +57,7 @@ _FEWEST_CONVERGED = 0.7
 
 @dataclass(frozen=True)
 class UncertainScans:
-    """The spectrum, from the differences between n scans: their mean with random weights.
+    """The spectrum or the turned face, from the differences between n scans: their mean with random weights.
 
     The weights are uniform over all sets of n positive numbers with sum one (Bayesian bootstrap): what else the mean
     of n scans could have been.
@@ -65,7 +66,7 @@ class UncertainScans:
     ----------
     name : {"spectrum", "seat", "closure"}
         Which spectrum of the case it is.
-    scans : tuple of PowerSpectrum
+    scans : tuple of PowerSpectrum or TurnedTexture
         One of each scan; two or more.
 
     References
@@ -74,7 +75,7 @@ class UncertainScans:
     """
 
     name: str
-    scans: tuple[PowerSpectrum, ...]
+    scans: tuple[PowerSpectrum | TurnedTexture, ...]
 
     @property
     def dimensions(self) -> int:
@@ -92,10 +93,15 @@ class UncertainScans:
         """The weights, shape (n, scans)."""
         return values
 
-    def spectrum(self, weights: FloatArray) -> PowerSpectrum:
-        """Mean spectrum with weights, shape (scans,); those of 1e-6 or less are left out."""
+    def mean(self, weights: FloatArray) -> PowerSpectrum | TurnedTexture:
+        """Mean with weights, shape (scans,); those of 1e-6 or less are left out."""
         pairs = [(scan, weight) for scan, weight in zip(self.scans, weights, strict=True) if weight > 1e-6]
-        return reduce(add, (scan.scaled(float(np.sqrt(weight))) for scan, weight in pairs))
+        spectrum = reduce(add, (fine_of(scan).scaled(float(np.sqrt(weight))) for scan, weight in pairs))
+        cusps = [(scan.feed, 1.0 / scan.nose_radius) for scan, _ in pairs if isinstance(scan, TurnedTexture)]
+        if not cusps:
+            return spectrum
+        feed, curvature = np.average(cusps, axis=0, weights=[weight for _, weight in pairs]).tolist()
+        return TurnedTexture(feed, 1.0 / curvature, spectrum)
 
 
 AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
@@ -129,7 +135,7 @@ def _inputs_of_part(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
         for name, spread in settings.spreads.items()
     ]
     if settings.spectrum is not None:
-        inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
+        inputs += [UncertainScans(key, scans) for key, scans in scanned_faces(case.roughness).items()]
     finishes = uncertain_finishes(case.roughness, names=settings.spreads)
     heights = uncertain_heights(case.roughness, between_scans=settings.spectrum is not None)
     return (*inputs, *finishes, *heights)
@@ -154,7 +160,7 @@ def changed_surface(
     case: Case,
     surface: FaceContact,
     factors: Mapping[str, float],
-    means: Mapping[str, PowerSpectrum] | None = None,
+    means: Mapping[str, PowerSpectrum | TurnedTexture] | None = None,
     shares: Mapping[str, float] | None = None,
 ) -> FaceContact:
     """The rough contact with some of its inputs changed.
@@ -167,7 +173,7 @@ def changed_surface(
     factors : mapping
         Factor of each uncertain input by its key.
     means : mapping, optional
-        Spectra that stand instead of the case's own, by their key in [roughness].
+        Spectra and turned faces that stand instead of the case's own, by their key in [roughness].
     shares : mapping, optional
         Places in the ranges of what its finishes leave open.
     """
@@ -187,7 +193,8 @@ def changed_surface(
         hardness=None if hardness is None else hardness * factors.get("hardness", 1.0),
     )
     if isinstance(surface, TurnedContact):
-        return replace(surface, fine=spectrum)
+        cusps = next((mean for mean in means.values() if isinstance(mean, TurnedTexture)), surface.texture)
+        return replace(surface, feed=cusps.feed, nose_radius=cusps.nose_radius, fine=spectrum)
     return replace(surface, spectrum=spectrum, peklenik=peklenik)
 
 
@@ -225,10 +232,10 @@ def sample_problem(
     """
     factors: dict[str, float] = {}
     shares: dict[str, float] = {}
-    means: dict[str, PowerSpectrum] = {}
+    means: dict[str, PowerSpectrum | TurnedTexture] = {}
     for uncertain, value in values:
         if isinstance(uncertain, UncertainScans):
-            means[uncertain.name] = uncertain.spectrum(value)
+            means[uncertain.name] = uncertain.mean(value)
         elif isinstance(uncertain, UncertainFinish):
             shares[uncertain.name] = float(value[0])
         elif isinstance(uncertain, UncertainInput):
@@ -238,7 +245,8 @@ def sample_problem(
             assert case.roughness is not None  # of the checks
             key = uncertain.key
             mean = means[key] if key in means else case.roughness.parts[key].build()
-            means[key] = uncertain.spectrum(mean, float(value[0]))
+            fine = uncertain.spectrum(fine_of(mean), float(value[0]))
+            means[key] = replace(mean, fine=fine) if isinstance(mean, TurnedTexture) else fine
     return changed_problem(problem, case, factors, means, shares)
 
 
@@ -246,7 +254,7 @@ def changed_problem(
     problem: SealProblem,
     case: Case,
     factors: Mapping[str, float],
-    means: Mapping[str, PowerSpectrum] | None = None,
+    means: Mapping[str, PowerSpectrum | TurnedTexture] | None = None,
     shares: Mapping[str, float] | None = None,
 ) -> SealProblem:
     """The problem with some inputs of its surface, its Young's moduli or its form error changed.

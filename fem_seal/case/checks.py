@@ -11,7 +11,14 @@ import numpy as np
 
 from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, show
 from fem_seal.case.material_table import suggestion
-from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
+from fem_seal.case.roughness import (
+    SHAPE,
+    MeasuredSpectrum,
+    SelfAffine,
+    scanned_faces,
+    self_affine_part,
+    uncertain_heights,
+)
 from fem_seal.case.shapes import FlangeFace
 from fem_seal.case.tables import RELIEF, CaseTables, Leak, Requirement, Uncertainty, curves
 from fem_seal.case.temperature import Temperature
@@ -306,7 +313,8 @@ _OF_PATCHES = ("size", "waves", "points_per_wave", "amplitudes", "direction", "f
 
 def _turned(case: CaseTables) -> Iterator[Problem]:
     """What is not known of a turned face."""
-    if case.roughness is None or case.roughness.turned_face is None:
+    face = None if case.roughness is None else case.roughness.turned_face
+    if face is None:
         return
     particles = case.fluid is not None and case.fluid.particles is not None
     options = {
@@ -316,7 +324,10 @@ def _turned(case: CaseTables) -> Iterator[Problem]:
         "form.lay": case.form is not None and case.form.lay is not None,
         "load.largest_earlier_force": case.load.largest_earlier_force is not None,
     }
-    yield from (problem("with_turned_face", option=option) for option, is_used in options.items() if is_used)
+    measured = isinstance(face, MeasuredSpectrum)
+    for option, is_used in options.items():
+        if is_used:
+            yield problem("with_turned_face", option=option, measured=measured)
     if case.direct is not None:
         given = case.direct.model_fields_set
         yield from (problem("direct_turned", name=name) for name in _OF_PATCHES if name in given)
@@ -574,7 +585,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         for key in SHAPE:
             if key in table.spreads:
                 yield problem("shape_of_spectrum", key=key)
-    if table.spectrum is not None and not scan_spectra(case.roughness):
+    if table.spectrum is not None and not scanned_faces(case.roughness):
         yield problem("uncertainty_spectrum")
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         PowerSpectrum,
         ScanSettings,
         StretchedRoughness,
+        TurnedScan,
         TurnedTexture,
     )
     from leak.surfaces.finish import Spread
@@ -343,6 +344,8 @@ class MeasuredSpectrum(Table):
     q_high: Wavenumber | None = None
 
     outliers: Literal["keep", "remove"] = "keep"
+    turned: bool = True
+    spiral: bool = True
 
     @model_validator(mode="after")
     def _consistent(self) -> MeasuredSpectrum:
@@ -354,6 +357,8 @@ class MeasuredSpectrum(Table):
         if self.extrapolation == "self-affine" and self.hurst is None:
             raise ValueError('extrapolation = "self-affine" needs hurst, such as hurst = 0.8')
         self.read_scans()
+        if "spiral" in self.model_fields_set and self.turned_scan is None:
+            raise ValueError(problem("no_feed_seen"))
         return self
 
     @property
@@ -381,12 +386,37 @@ class MeasuredSpectrum(Table):
         """What the scans say about the surface."""
         return _measure_scans(tuple((path, _stamp(path)) for path in self.paths), self.unit, self.settings)
 
-    def build(self) -> PowerSpectrum:
-        """The spectrum as `leak` takes it."""
-        return self.read_scans().spectrum
+    @property
+    def turned_scan(self) -> TurnedScan | None:
+        """The turned face that most of the scans show; None where they do not, and with turned = false."""
+        return self._recognise(self.paths)
 
-    def scan_spectra(self) -> tuple[PowerSpectrum, ...]:
-        """The spectrum of each scan alone."""
+    def _recognise(self, paths: Sequence[str]) -> TurnedScan | None:
+        files = tuple((path, _stamp(path)) for path in paths)
+        return _recognise_texture(files, self.unit, self.settings) if self.turned else None
+
+    def texture(self) -> TurnedTexture:
+        """The face as `leak` takes it, where it is turned."""
+        turned = self.turned_scan
+        assert turned is not None  # of the only callers, those of `Roughness.turned_faces`
+        return turned.texture
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it; of a turned face that of the fine roughness."""
+        return self.read_scans().spectrum if self.turned_scan is None else self.turned_scan.fine
+
+    def remarks(self) -> Iterator[str]:
+        """What the scans say against their use; of a turned face what is left without its cusps."""
+        turned = self.turned_scan
+        yield from (self.read_scans() if turned is None else turned.rest).warnings
+        if turned is not None and (others := len(self.paths) - len(turned.rest.scans)):
+            yield str(problem("scans_without_feed", count=others, scans=len(self.paths), feed=turned.feed))
+
+    def each_scan(self) -> tuple[PowerSpectrum | TurnedTexture, ...]:
+        """What each scan alone shows: a spectrum or, of a turned face, cusps unless it shows none."""
+        if self.turned_scan is not None:
+            alone = [self._recognise([path]) for path in self.paths]
+            return tuple(turned.texture for turned in alone if turned is not None)
         scans = [((path, _stamp(path)),) for path in self.paths]
         return tuple(_measure_scans(scan, self.unit, self.settings).spectrum for scan in scans)
 
@@ -413,6 +443,19 @@ def _measure_scans(
         except UnreadableFileError as error:
             raise ScanError(f"{path}: {error}") from None
     return measure(read_topographies([path for path, _ in files], unit=unit), settings)
+
+
+@cache
+def _recognise_texture(
+    files: tuple[tuple[str, tuple[int, int]], ...], unit: tuple[str, ...] | None, settings: ScanSettings
+) -> TurnedScan | None:
+    from leak import ScanError, recognise_texture
+
+    try:
+        return recognise_texture(_measure_scans(files, unit, settings).scans, settings)
+    except ScanError:
+        # nothing is left on the cusps that could be a roughness
+        return None
 
 
 class FineRoughness(Table):
@@ -529,13 +572,16 @@ class Roughness(FinishKeys):
             self._two_directions(spectra)
         elif ("spectrum" in spectra) == any(key in spectra for key in ("seat", "closure", "gasket")):
             raise ValueError(problem("spectrum_twice" if spectra else "spectrum_missing"))
-        turned_parts = [key for key in spectra if isinstance(getattr(self, key), TurnedFace)]
+        turned_parts = self.turned_faces
         if len(turned_parts) > 1:
             raise ValueError(problem("two_turned_faces"))
-        if turned_parts and not {"seat", "closure", "gasket"} & {*turned_parts}:
-            raise ValueError(problem("turned_directions", key=turned_parts[0]))
-        if turned_parts and self.peklenik != 1.0:
-            raise ValueError(problem("random_and_feed", key="peklenik"))
+        for key, part in turned_parts.items():
+            given = isinstance(part, TurnedFace)
+            if given and key not in ("seat", "closure", "gasket"):
+                raise ValueError(problem("turned_directions", key=key))
+            if self.peklenik != 1.0:
+                name = "random_and_feed" if given else "peklenik_of_turned"
+                raise ValueError(problem(name, key="peklenik"))
         return self
 
     def _two_directions(self, spectra: Collection[str]) -> None:
@@ -563,12 +609,16 @@ class Roughness(FinishKeys):
         return {key: spectrum for key, spectrum in self.parts.items() if isinstance(spectrum, FinishTable)}
 
     @property
-    def turned_faces(self) -> dict[str, TurnedFace]:
-        """Those of `parts` that are turned with a feed that is given, one at most."""
-        return {key: part for key, part in self.parts.items() if isinstance(part, TurnedFace)}
+    def turned_faces(self) -> dict[str, TurnedFace | MeasuredSpectrum]:
+        """Those of `parts` that are turned with a feed that is given or seen in scans, one at most."""
+        return {
+            key: part
+            for key, part in self.parts.items()
+            if isinstance(part, TurnedFace) or (isinstance(part, MeasuredSpectrum) and part.turned_scan)
+        }
 
     @property
-    def turned_face(self) -> TurnedFace | None:
+    def turned_face(self) -> TurnedFace | MeasuredSpectrum | None:
         """The only one of `turned_faces`; None without one."""
         return next(iter(self.turned_faces.values()), None)
 
@@ -583,7 +633,7 @@ class Roughness(FinishKeys):
 
     def combine(
         self,
-        swaps: Mapping[str, PowerSpectrum] | None = None,
+        swaps: Mapping[str, PowerSpectrum | TurnedTexture] | None = None,
         shares: Mapping[str, float] | None = None,
         factors: Mapping[str, float] | None = None,
     ) -> tuple[PowerSpectrum, float]:
@@ -595,7 +645,7 @@ class Roughness(FinishKeys):
         Parameters
         ----------
         swaps : mapping, optional
-            Spectra that stand instead of the table's own, by their key.
+            Spectra and turned faces that stand instead of the table's own, by their key.
         shares, factors : mapping, optional
             Places in the ranges of what the finishes leave open, and factors, see `leak.Finish.surface`; the same in
             both faces.
@@ -605,7 +655,11 @@ class Roughness(FinishKeys):
             key: face.surface(shares, factors) for key, face in self.finishes.items() if key not in swaps
         }
         spectra = {
-            key: swaps[key] if key in swaps else faces[key].spectrum if key in faces else part.build()
+            key: fine_of(swaps[key])
+            if key in swaps
+            else faces[key].spectrum
+            if key in faces
+            else part.build()
             for key, part in self.parts.items()
         }
         if "along" in spectra:
@@ -631,12 +685,19 @@ class Roughness(FinishKeys):
                 yield f"roughness: {text}"
         for key, part in self.parts.items():
             if isinstance(part, MeasuredSpectrum):
-                for warning in part.read_scans().warnings:
+                for warning in part.remarks():
                     yield f"roughness.{key}: {warning}"
         if self.along is not None and self.across is not None:
             stretch = _stretch(self.along.build(), self.across.build())
             if stretch.misfit > _LARGEST_MISFIT:
                 yield str(problem("no_stretch", best=stretch.peklenik, off=math.exp(stretch.misfit)))
+
+
+def fine_of(face: PowerSpectrum | TurnedTexture) -> PowerSpectrum:
+    """Spectrum of a face; of a turned one that of its fine roughness."""
+    from leak import TurnedTexture
+
+    return face.fine if isinstance(face, TurnedTexture) else face
 
 
 def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:
@@ -678,6 +739,9 @@ def read_roughness(entries: object) -> object:
                 raise ValueError(f"{key}, {show(part)}, {error}") from None
         elif isinstance(part, Mapping) and "feed" in part:
             tables[key] = {**part, "kind": "turned"}
+        elif isinstance(part, Mapping) and key in ("along", "across") and part.get("kind") == "profile":
+            # of one direction each, and no face of its own
+            tables[key] = {"turned": False, **part}
         elif isinstance(part, Mapping) and is_finish(part):
             tables[key] = {**part, "kind": "finish"}
     return tables
@@ -839,12 +903,12 @@ def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> It
     parts = {} if roughness is None else roughness.parts
     scans = {key: part for key, part in parts.items() if isinstance(part, MeasuredSpectrum)}
     for key, scan in scans.items():
-        surface = scan.read_scans()
+        surface = scan.read_scans() if scan.turned_scan is None else scan.turned_scan.rest
         low, high = surface.rolloff.height.interval
         if np.log(high / low) < _SMALLEST:
             continue
         # random weights scatter the mean of n scans by (n-1)/(n+1) of its true variance
-        count = len(scan.paths)
+        count = len(surface.scans)
         yield UncertainHeight(
             key,
             "scan_length" if len(scans) == 1 else f"scan_length_{key}",
@@ -906,14 +970,11 @@ def uncertain_finishes(roughness: Roughness | None, *, names: Collection[str]) -
             yield UncertainFinish(name, tuple(spreads))
 
 
-def scan_spectra(roughness: Roughness | None) -> dict[str, tuple[PowerSpectrum, ...]]:
-    """Spectra of the single scans, for each spectrum of the table that is the mean of two or more."""
+def scanned_faces(roughness: Roughness | None) -> dict[str, tuple[PowerSpectrum | TurnedTexture, ...]]:
+    """What the single scans show, for each face of the table that is the mean of two or more."""
     parts = {} if roughness is None else roughness.parts
-    return {
-        key: part.scan_spectra()
-        for key, part in parts.items()
-        if isinstance(part, MeasuredSpectrum) and len(part.paths) > 1
-    }
+    each = {key: part.each_scan() for key, part in parts.items() if isinstance(part, MeasuredSpectrum)}
+    return {key: scans for key, scans in each.items() if len(scans) > 1}
 
 
 def self_affine_part(roughness: Roughness | None) -> str | None:

@@ -43,7 +43,7 @@ def roughness_of(surface: MeasuredSurface) -> RoughnessParameters:
 
 
 def turned_scan(surface: MeasuredSurface) -> TurnedScan | None:
-    """The first scan that shows a turned face; None where none does.
+    """The turned face that most of the scans show; None where they do not.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def turned_scan(surface: MeasuredSurface) -> TurnedScan | None:
     """
     from leak import recognise_texture
 
-    return next((turned for scan in surface.scans if (turned := recognise_texture(scan))), None)
+    return recognise_texture(surface.scans, surface.settings)
 
 
 def _turned_numbers(turned: TurnedScan) -> dict[str, Any]:

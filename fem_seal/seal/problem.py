@@ -607,9 +607,10 @@ def rough_contact(case: CaseTables) -> FaceContact | None:
     spectrum, peklenik = case.roughness.combine()
     hardness, face = case.hardness if case.leak.plasticity else None, case.roughness.turned_face
     if face is not None:
+        texture = face.texture()
         return TurnedContact(
-            feed=face.feed,
-            nose_radius=face.nose_radius,
+            feed=texture.feed,
+            nose_radius=texture.nose_radius,
             fine=spectrum,
             effective_modulus=case.effective_modulus,
             hardness=hardness,

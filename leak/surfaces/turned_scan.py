@@ -7,15 +7,16 @@ feed keep step with the first, which they do in no Gaussian surface, however nar
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.polynomial.legendre import Legendre, legfit
 
 from leak.arrays import FloatArray
-from leak.surfaces.measured import measure
+from leak.surfaces.measured import MeasuredSurface, measure
 from leak.surfaces.random import profile_density
-from leak.surfaces.scans import LineScan, Topography
+from leak.surfaces.scans import LineScan, ScanSettings, Topography
 from leak.surfaces.self_affine_fit import RollOff
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import TurnedTexture
@@ -26,11 +27,13 @@ _FEWEST_FEEDS, _FEWEST_POINTS, _HARMONICS, _PEAKS = 3, 20, 8, 5
 # (0.25 of parabolas, 0 of a sine); and the share of the feed beside each crest, blunted by varying feeds, that is left
 # out of the fit.
 _CHANCE, _LEAST_SECOND, _BESIDE_CREST = 2e-4, 0.05, 0.06
+# Estimates of the fine roughness, each from what the one before leaves it of the heights of the grooves.
+_PASSES = 2
 
 
 @dataclass(frozen=True, eq=False)
 class TurnedScan:
-    """Cusps of a turned face as a scan across its lay shows them.
+    """Cusps of a turned face as scans across its lay show them.
 
     Parameters
     ----------
@@ -51,10 +54,10 @@ class TurnedScan:
         Of the variance of the scan without tilt, what the mean cusp explains [-].
     fine : PowerSpectrum
         Of what is left without mean cusp and heights of the grooves; C is constant between one and two feeds.
-    rolloff : RollOff
-        Roll-off and Hurst exponent of the same.
+    rest : MeasuredSurface
+        What is left as a surface of its own, with its roll-off and what to warn of.
     position, heights, cusp : ndarray, shape (n,)
-        Across the lay, the profile without tilt and the mean cusp [m].
+        Across the lay, the profile without tilt and the mean cusp, of the first scan [m].
 
     Examples
     --------
@@ -78,10 +81,15 @@ class TurnedScan:
     crest_scatter: float
     periodic_share: float
     fine: PowerSpectrum
-    rolloff: RollOff = field(repr=False)
+    rest: MeasuredSurface = field(repr=False)
     position: FloatArray = field(repr=False)
     heights: FloatArray = field(repr=False)
     cusp: FloatArray = field(repr=False)
+
+    @property
+    def rolloff(self) -> RollOff:
+        """Roll-off and Hurst exponent of the fine roughness."""
+        return self.rest.rolloff
 
     @property
     def texture(self) -> TurnedTexture:
@@ -89,19 +97,26 @@ class TurnedScan:
         return TurnedTexture(self.feed, self.nose_radius, self.fine)
 
 
-def recognise_texture(scan: Topography) -> TurnedScan | None:
-    """The turned face that a scan shows; None where no feed stands out.
+def recognise_texture(
+    scans: Topography | Sequence[Topography], settings: ScanSettings | None = None
+) -> TurnedScan | None:
+    """The turned face that scans show; None where no feed stands out in most of them.
 
     Peaks of the spectrum are tried as the feed. Of each, the phase of the first harmonic in every feed gives the place
     along the scan in turns of the workpiece, so that a feed that varies slowly does no harm. The first harmonic must
     stand out of its neighbours, and the higher ones must have the phase of sharp crests, by a t-test against their
     neighbours. Of the feeds that pass, that counts which explains most of the variance.
 
+    Of several scans the means count: of the feed, of the curvature of the nose, of the power of the fine roughness.
+    Those that show no feed are left out.
+
     Parameters
     ----------
-    scan : LineScan or HeightMap
+    scans : LineScan, HeightMap or a sequence of them
         Across the lay; a map lies as it will, its mean along its crests is taken. A form is taken off before
         (`scan.without_form`).
+    settings : ScanSettings, optional
+        Of the fine roughness, see `measure`.
 
     Raises
     ------
@@ -121,6 +136,38 @@ def recognise_texture(scan: Topography) -> TurnedScan | None:
     >>> print(f"{leak.recognise_texture(leak.line_scan(x, cusps + rough)).nose_radius * 1e3:.2f} mm")
     0.80 mm
     """
+    each = (scans,) if isinstance(scans, Topography) else tuple(scans)
+    found = [turned for scan in each if (turned := _recognise(scan, settings)) is not None]
+    if 2 * len(found) <= len(each):
+        return None
+    return found[0] if len(found) == 1 else _mean(found, settings)
+
+
+def _mean(found: Sequence[TurnedScan], settings: ScanSettings | None) -> TurnedScan:
+    """One face of several scans."""
+
+    def mean(name: str, power: int = 1) -> float:
+        return float(np.mean([getattr(turned, name) ** power for turned in found])) ** (1.0 / power)
+
+    rest = measure([turned.rest.scans[0] for turned in found], settings)
+    feed = mean("feed")
+    between = np.std([turned.feed for turned in found], ddof=1) / math.sqrt(len(found))
+    return replace(
+        found[0],
+        feed=feed,
+        feed_error=math.hypot(between, mean("feed_error", 2) / math.sqrt(len(found))),
+        nose_radius=mean("nose_radius", -1),
+        crest_scatter=mean("crest_scatter", 2),
+        side_slope=mean("side_slope"),
+        crest_height=mean("crest_height"),
+        parabola_deviation=mean("parabola_deviation"),
+        periodic_share=mean("periodic_share"),
+        fine=_with_long_waves(rest.spectrum, 2.0 * np.pi / feed),
+        rest=rest,
+    )
+
+
+def _recognise(scan: Topography, settings: ScanSettings | None) -> TurnedScan | None:
     flat = scan.without_form("tilt")
     across, step = _places_across(flat)
     nearest = np.rint(across.ravel()).astype(int)
@@ -131,7 +178,7 @@ def recognise_texture(scan: Topography) -> TurnedScan | None:
     profile: FloatArray = sums[rows] / np.maximum(count[rows], 1)
     tried = [_Turns.along(profile, rate) for rate in _peak_rates(profile)]
     turns = max((t for t in tried if t is not None and t.is_turned), key=lambda t: t.share, default=None)
-    return None if turns is None else _describe(flat, across - rows.start, step, turns)
+    return None if turns is None else _describe(flat, across - rows.start, step, turns, settings)
 
 
 def _places_across(scan: Topography) -> tuple[FloatArray, float]:
@@ -240,7 +287,9 @@ def _phases(periods: FloatArray, start: float) -> FloatArray:
     return np.unwrap(np.angle(periods @ np.exp(-2j * np.pi * place))) / (2.0 * np.pi)
 
 
-def _describe(scan: Topography, across: FloatArray, step: float, turns: _Turns) -> TurnedScan | None:
+def _describe(
+    scan: Topography, across: FloatArray, step: float, turns: _Turns, settings: ScanSettings | None
+) -> TurnedScan | None:
     """Mean groove, heights of the grooves and what is left; None if the nose is none."""
     since, points = turns.turn - _crest(turns), turns.periods.shape[1]
     since = since - math.floor(since[0])
@@ -260,9 +309,13 @@ def _describe(scan: Topography, across: FloatArray, step: float, turns: _Turns) 
     points_across = np.arange(since.size)
     tilt, mean, level = (np.interp(across, points_across, part) for part in (turns.tilt, cusp, offset))
     rest = scan.heights - tilt - mean
-    fine = measure(replace(scan, heights=rest - level))
-    spectrum = _with_long_waves(fine.spectrum, 2.0 * np.pi / feed)
-    noise = math.pi / feed * float(profile_density(spectrum, 0.0))
+    crests, kept = float(np.var(0.5 * (levels[1:] + levels[:-1]))), 0.0
+    for _ in range(_PASSES):
+        fine = measure(replace(scan, heights=rest - (1.0 - kept) * level), settings)
+        spectrum = _with_long_waves(fine.spectrum, 2.0 * np.pi / feed)
+        # of the heights of the grooves the fine roughness has so much itself
+        noise = math.pi / feed * float(profile_density(spectrum, 0.0))
+        kept = math.sqrt(noise / crests) if noise < crests else 1.0
     return TurnedScan(
         feed=feed,
         feed_error=feed * turns.rate_error,
@@ -270,10 +323,10 @@ def _describe(scan: Topography, across: FloatArray, step: float, turns: _Turns) 
         nose_radius=feed**2 / (4.0 * curvature),
         crest_height=groove.height,
         parabola_deviation=groove.deviation / groove.height,
-        crest_scatter=math.sqrt(max(float(np.var(0.5 * (levels[1:] + levels[:-1]))) - noise, 0.0)),
+        crest_scatter=math.sqrt(max(crests - noise, 0.0)),
         periodic_share=1.0 - float(rest.var() / np.var(scan.heights - tilt)),
         fine=spectrum,
-        rolloff=fine.rolloff,
+        rest=fine,
         position=np.arange(since.size) * step,
         heights=turns.profile,
         cusp=cusp,

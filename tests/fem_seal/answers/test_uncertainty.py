@@ -424,7 +424,7 @@ def test_weights_of_scans_are_uniform_over_all_sets_with_sum_one():
 def test_mean_spectrum_keeps_the_mean_height_variance():
     a = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=2e4, q_high=1e6)
     b = leak.PowerSpectrum.self_affine(rms_height=2e-6, hurst=0.5, q_low=2e3, q_rolloff=1e4, q_high=3e6)
-    mean = UncertainScans("spectrum", (a, b)).spectrum(np.array([0.25, 0.75]))
+    mean = UncertainScans("spectrum", (a, b)).mean(np.array([0.25, 0.75]))
     # the log-log interpolant of a sum of power laws is good to 1e-4
     assert mean.rms_height**2 == pytest.approx(0.25e-12 + 0.75 * 4e-12, rel=1e-3)
 

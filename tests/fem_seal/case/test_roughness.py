@@ -7,7 +7,10 @@ from sample_results import ball, cone
 
 import leak
 from fem_seal import Case, load_case
+from fem_seal.answers.samples import UncertainScans, changed_surface
+from fem_seal.case.roughness import scanned_faces
 from fem_seal.errors import InputError
+from fem_seal.output.case_words import finish_rows
 from fem_seal.seal.problem import rough_contact
 
 SCAN = EXAMPLES / "seat_scan.csv"
@@ -83,9 +86,104 @@ def test_scans_are_averaged_and_known_one_by_one(tmp_path):
     np.savetxt(other, np.column_stack([1e3 * x, 1e3 * h]))
     entry = {"kind": "profile", "files": [str(other), str(other)], "unit": "mm"}
     spectrum = case(spectrum=entry).roughness.spectrum
-    one, two = spectrum.scan_spectra()
+    one, two = spectrum.each_scan()
     assert one == two
     assert spectrum.build().rms_height == pytest.approx(one.rms_height, rel=1e-6)
+
+
+def turned_file(folder, seed, **changes):
+    """A scan of a known face across its crests, with a tilt and noise of the instrument."""
+    values = {"feed": 5e-5, "nose_radius": 4e-4, **changes}
+    x, h = leak.random_line_scan(FINE, length=4e-3, points=8000, seed=seed)
+    texture = leak.TurnedTexture(fine=FINE, **values)
+    feed = texture.feed
+    h -= texture.depth_at(np.abs((x + 1e-5 * seed) % feed - 0.5 * feed))
+    h += 0.001 * x + 1e-9 * np.random.default_rng(seed).standard_normal(x.size)
+    path = folder / f"turned_{seed}.csv"
+    np.savetxt(
+        path, np.column_stack([1e3 * x, 1e6 * h]), delimiter=",", header="x [mm],height [um]", comments=""
+    )
+    return str(path)
+
+
+FINE = leak.PowerSpectrum.self_affine(
+    rms_height=1e-7, hurst=0.8, q_low=np.pi / 5e-5, q_rolloff=2.5e5, q_high=4e6
+)
+
+
+@pytest.fixture(scope="module")
+def turned_files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("scans")
+    return [turned_file(folder, seed) for seed in (1, 2, 3)]
+
+
+def test_scans_that_show_a_feed_leak_as_the_face_that_they_are_of(turned_files):
+    measured = rough_contact(case(seat={"kind": "profile", "files": turned_files}))
+    fine = {"rms_height": "0.1 um", "hurst": 0.8, "q_rolloff": "2.5e5 1/m", "q_high": "4e6 1/m"}
+    face = {"process": "turned", "feed": "50 um", "nose_radius": "0.4 mm", "fine": fine}
+    given = rough_contact(case(seat=face))
+    assert isinstance(measured, leak.TurnedContact) and isinstance(given, leak.TurnedContact)
+    assert measured.feed == pytest.approx(given.feed, rel=2e-3)
+    assert measured.nose_radius == pytest.approx(given.nose_radius, rel=0.05)
+    assert measured.thread_radius == given.thread_radius
+    p = np.array([2e6, 5e6, 1e7])
+    ratio = measured.flow_conductivity(p, 1e-3) / given.flow_conductivity(p, 1e-3)
+    assert np.all((ratio > 0.6) & (ratio < 1.4))
+    # the other face joins the fine roughness, and the report says what was seen
+    both = case(seat={"kind": "profile", "files": turned_files, "spiral": False}, closure=FLAT)
+    surface = rough_contact(both)
+    assert np.isinf(surface.thread_radius)
+    assert surface.fine.rms_height == pytest.approx(np.hypot(measured.fine.rms_height, 5e-7), rel=1e-3)
+    assert dict(finish_rows(both))["finish of seat"].startswith(
+        "measured: turned, feed 50.0 µm, nose radius 0."
+    )
+
+
+def test_a_measured_turned_face_can_be_refused(turned_files):
+    entries = {"kind": "profile", "file": turned_files[0]}
+    random = rough_contact(case(seat={**entries, "turned": False}))
+    assert isinstance(random, leak.RoughContact)
+    assert random.spectrum == leak.PowerSpectrum.from_file(turned_files[0])
+    assert "one wave" in " ".join(case(seat={**entries, "turned": False}).roughness.remarks())
+    # with the cusps it is no wave of a random surface any more
+    assert list(case(seat=entries).roughness.remarks()) == []
+    assert isinstance(rough_contact(case(along=PROFILE, across=entries)), leak.RoughContact)
+    assert "turned = false" in wrong(seat=entries, peklenik=0.2)
+    assert "turned = false" in str(refused(case(seat=entries), {"leak.theory": "paper"}))
+    assert "scans show no feed" in wrong(seat={**PROFILE, "spiral": False})
+    assert "a feed in both faces" in wrong(seat=entries, closure=entries)
+
+
+def refused(base, changes):
+    with pytest.raises(InputError) as caught:
+        base.replace(changes)
+    return caught.value
+
+
+def test_scans_without_a_feed_are_left_out_where_most_have_one(turned_files, tmp_path):
+    along = tmp_path / "along.csv"
+    x, h = leak.random_line_scan(FINE, length=4e-3, points=8000, seed=9)
+    np.savetxt(along, np.column_stack([1e3 * x, 1e6 * h]))
+    several = {"kind": "profile", "files": [*turned_files[:2], str(along)], "unit": ["mm", "um"]}
+    roughness = case(seat=several).roughness
+    assert [texture.feed for texture in roughness.seat.each_scan()] == pytest.approx([5e-5] * 2, rel=2e-3)
+    (remark,) = roughness.remarks()
+    assert "1 of 3 scans shows no feed" in remark and "50.0 µm" in remark
+    # half of the scans are not most of them
+    half = {**several, "files": [turned_files[0], str(along)]}
+    assert isinstance(rough_contact(case(seat=half)), leak.RoughContact)
+
+
+def test_scans_of_unlike_feeds_are_weighted_as_whole_faces(tmp_path):
+    files = [turned_file(tmp_path, 1), turned_file(tmp_path, 2, feed=6.25e-5, nose_radius=8e-4)]
+    measured = case(seat={"kind": "profile", "files": files})
+    one, two = scanned_faces(measured.roughness)["seat"]
+    mean = UncertainScans("seat", (one, two)).mean(np.array([0.25, 0.75]))
+    assert mean.feed == pytest.approx(0.25 * one.feed + 0.75 * two.feed)
+    assert 1.0 / mean.nose_radius == pytest.approx(0.25 / one.nose_radius + 0.75 / two.nose_radius)
+    swapped = changed_surface(measured, rough_contact(measured), {}, {"seat": mean})
+    assert (swapped.feed, swapped.nose_radius) == pytest.approx((mean.feed, mean.nose_radius))
+    assert swapped.fine.rms_height == pytest.approx(mean.fine.rms_height)
 
 
 def test_a_changed_file_is_read_again(tmp_path):
