@@ -65,6 +65,7 @@ SPECIAL = {
     "oval_seat": "unrolled",
     "tilted_poppet": "seal",
     "scratched_seat": "contact",
+    "turned_seat": "law",
     "copper_ring": "compression",
     "proof_load": "memory",
     "elastoplastic_seat": "imprint",
@@ -92,9 +93,10 @@ GROUPS = {
         "double_land",
         "particles",
     ),
-    "Real seats: measured, out of round, scratched": (
+    "Real seats: measured, turned, out of round, scratched": (
         "measured_seat",
         "measured_roundness",
+        "turned_seat",
         "oval_seat",
         "tilted_poppet",
         "scratched_seat",
