@@ -49,6 +49,8 @@ class ElastoplasticState:
         There, accumulated over the path, shape (m,) [-].
     body : LayeredHalfSpace
         Grid and modulus.
+    stretch : tuple of float
+        Mean total strain of the body in its plane along both axes of the map [-].
 
     Examples
     --------
@@ -68,6 +70,7 @@ class ElastoplasticState:
     plastic_strain: FloatArray
     equivalent_strain: FloatArray
     body: LayeredHalfSpace
+    stretch: tuple[float, float] = (0.0, 0.0)
 
     @property
     def pressure(self) -> FloatArray:
@@ -122,6 +125,7 @@ def press_elastoplastic(
     tolerance: float = 1e-3,
     start: ElastoplasticState | None = None,
     layers: int = 32,
+    strain: ArrayLike | None = None,
 ) -> list[ElastoplasticState]:
     """Press a map of heights on a rigid flat along a path of mean pressures, with metal that flows below it.
 
@@ -150,6 +154,9 @@ def press_elastoplastic(
         An earlier state of the same body and map, from which the path goes on.
     layers : int
         Of the grid below the surface, down to a third of the side.
+    strain : array_like, shape (P, 2), optional
+        Mean total strain of the body in its plane along both axes of the map at each pressure, elastic and plastic, as
+        its bulk flows; that of `start` unless given, or none [-].
 
     Returns
     -------
@@ -159,7 +166,8 @@ def press_elastoplastic(
     Raises
     ------
     DirectError
-        A value outside its meaning, metal that flows down to the bottom of the grid, or no convergence.
+        A value outside its meaning, metal that flows down to the bottom of the grid though its bulk is not strained,
+        or no convergence.
 
     References
     ----------
@@ -200,26 +208,43 @@ def press_elastoplastic(
     )
     states, grid = [], (solid.layers, *body.shape)
     if start is None:
-        strain, equivalent, p, p_last = np.zeros((5, *grid)), np.zeros(grid), None, 0.0
+        plastic, equivalent, p, p_last = np.zeros((5, *grid)), np.zeros(grid), None, 0.0
     else:
-        strain, equivalent, p = start.field(), start.equivalent_field(), start.pressure
+        plastic, equivalent, p = start.field(), start.equivalent_field(), start.pressure
         p_last = float(p.mean())
-    rate, last_step = np.zeros_like(strain), 0.0
-    for pressure in path.tolist():
+    stretches = _checked_strain(strain, path.size, (0.0, 0.0) if start is None else start.stretch)
+    rate, last_step = np.zeros_like(plastic), 0.0
+    for pressure, stretch in zip(path.tolist(), stretches, strict=True):
         step = pressure - p_last
-        guess = strain + min(step / last_step, 1.0) * rate if step * last_step > 0.0 else strain
-        new, equivalent, lift, contact = indentation.step(pressure, strain, equivalent, guess, p)
-        rate, strain, p, p_last, last_step = new - strain, new, contact.pressure, pressure, step
+        guess = plastic + min(step / last_step, 1.0) * rate if step * last_step > 0.0 else plastic
+        new, equivalent, lift, contact = indentation.step(pressure, stretch, plastic, equivalent, guess, p)
+        rate, plastic, p, p_last, last_step = new - plastic, new, contact.pressure, pressure, step
         flat = equivalent.reshape(-1)
         points = np.flatnonzero(flat)
-        if flat[-math.prod(solid.surface.shape) :].max() > _BOTTOM * flat.max(initial=0.0) > 0.0:
+        is_stretched = any(stretch) or (start is not None and any(start.stretch))
+        at_bottom = flat[-math.prod(solid.surface.shape) :].max()
+        if not is_stretched and at_bottom > _BOTTOM * flat.max(initial=0.0) > 0.0:
             raise DirectError(
                 f"at the mean pressure {contact.pressure.mean():g} Pa metal flows down to a third of the side of the "
                 "map, the bottom of the grid: take a smaller pressure or a map with more waves"
             )
-        at_points = strain.reshape(5, -1)[:, points], flat[points]
-        states.append(ElastoplasticState(contact, lift, points, *at_points, solid))
+        at_points = plastic.reshape(5, -1)[:, points], flat[points]
+        states.append(ElastoplasticState(contact, lift, points, *at_points, solid, stretch))
     return states
+
+
+def _checked_strain(
+    strain: ArrayLike | None, count: int, last: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Of each step, both ways in the plane."""
+    if strain is None:
+        return [last] * count
+    values = np.asarray(strain, dtype=float)
+    if values.shape != (count, 2):
+        raise DirectError(f"strain has shape {values.shape}: must be (P, 2) with P = {count} pressures")
+    if not (np.abs(values) < 1.0).all():
+        raise DirectError("strain: must be finite and between -1 and 1 [-]")
+    return [(float(x), float(y)) for x, y in values]
 
 
 def elastoplastic_path(
@@ -268,6 +293,7 @@ class _Indentation:
     def step(
         self,
         pressure: float,
+        stretch: tuple[float, float],
         strain: FloatArray,
         equivalent: FloatArray,
         guess: FloatArray,
@@ -286,7 +312,9 @@ class _Indentation:
                 tolerance=_CONTACT * self.tolerance,
             )
             p = contact.pressure
-            new, plastic = self._return_radially(self.solid.distortion(response, p), strain, equivalent)
+            new, plastic = self._return_radially(
+                self.solid.distortion(response, p, stretch), strain, equivalent
+            )
             # nothing has flowed, or no more than rounding
             if _norm(new - at) <= self.tolerance * _norm(new - strain) + _ROUND_OFF * _norm(new):
                 return new, plastic, lift, contact

@@ -255,11 +255,13 @@ class LayeredHalfSpace:
 
         shape, nu = self.surface.shape, self.poissons_ratio
         surface = -response.along_wave[0, 1].reshape(shape[0], -1)
-        stretch = -(response.mean[XX] + response.mean[YY])
-        surface[0, 0] = math.prod(shape) * (1.0 - 2.0 * nu) / (1.0 - nu) * float(stretch @ self.thickness)
+        thicker = -(response.mean[XX] + response.mean[YY])
+        surface[0, 0] = math.prod(shape) * (1.0 - 2.0 * nu) / (1.0 - nu) * float(thicker @ self.thickness)
         return np.asarray(fft.irfft2(surface, shape))
 
-    def distortion(self, response: PlasticResponse, pressure: FloatArray) -> FloatArray:
+    def distortion(
+        self, response: PlasticResponse, pressure: FloatArray, stretch: tuple[float, float] = (0.0, 0.0)
+    ) -> FloatArray:
         """Total strain less its change of volume, elastic and plastic, shape (5, layers, n, m) [-].
 
         Parameters
@@ -267,6 +269,8 @@ class LayeredHalfSpace:
         response : PlasticResponse
         pressure : ndarray
             On the surface, shape (n, m) [Pa].
+        stretch : tuple of float
+            Mean total strain in the plane along both axes [-].
         """
         from scipy import fft
 
@@ -295,10 +299,11 @@ class LayeredHalfSpace:
             ]
         )
         waves *= self._coupling_mask
-        # the mean: no strain in the plane, no shear stress, and the mean pressure along z
-        G = self.shear_modulus
-        stretch = -(response.mean[XX] + response.mean[YY])
-        rise = (2.0 * G * stretch - float(np.mean(pressure))) / (self._lame + 2.0 * G)
-        waves[[XX, YY], :, 0, 0] = -rise / 3.0 * points
+        # the mean: the strain in the plane is given, no shear stress, and the mean pressure along z
+        G, in_plane = self.shear_modulus, sum(stretch)
+        thicker = -(response.mean[XX] + response.mean[YY])
+        rise = (2.0 * G * thicker - self._lame * in_plane - float(np.mean(pressure))) / (self._lame + 2.0 * G)
+        for axis, along in zip((XX, YY), stretch, strict=True):
+            waves[axis, :, 0, 0] = (along - (rise + in_plane) / 3.0) * points
         waves[[XZ, YZ], :, 0, 0] = response.mean[[XZ, YZ]] * points
         return np.asarray(fft.irfft2(waves, shape, overwrite_x=True))
