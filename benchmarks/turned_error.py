@@ -1,6 +1,6 @@
 """Error of `leak.TurnedContact` against direct simulations of turned faces: the numbers of its `flow_error`.
 
-    python benchmarks/turned_error.py             from benchmarks/turned_direct.csv
+    python benchmarks/turned_error.py             from turned_direct.csv, on a flat, and turned_pairs.csv, on each other
     python benchmarks/turned_error.py --simulate  once more with the same cells
 
 Cells are two feeds wide and long, or four. It prints ln(direct/theory) by the decades that the conductivity has fallen
@@ -20,7 +20,7 @@ import numpy as np
 
 import leak
 
-TABLE = Path(__file__).with_name("turned_direct.csv")
+TABLES = [Path(__file__).with_name(name) for name in ("turned_direct.csv", "turned_pairs.csv")]
 DECADES = (0.0, 1.5, 2.0, 3.0, math.inf)
 # Rms height over the height of the crests between which these are lost.
 LOST = (0.13, 0.39)
@@ -45,56 +45,73 @@ def face(row: dict[str, str]) -> leak.TurnedContact:
         fine=spectrum(row),
         effective_modulus=float(row["E_star_Pa"]),
         hardness=float(row["hardness_Pa"]) if row["hardness_Pa"] else None,
+        **other(row),
     )
+
+
+def other(row: dict[str, str]) -> dict[str, object]:
+    """Face on that of a row."""
+    if "phase" not in row:
+        return {}
+    cusps = leak.Cusps(float(row["other_feed_m"]), float(row["other_nose_radius_m"]))
+    return {"other": cusps, "phase": float(row["phase"])}
 
 
 def simulate(row: dict[str, str]) -> float:
     """Conductivity across the crests of the cell of a row."""
     of, feeds = face(row), int(row["feeds"])
-    heights = of.texture.heights(points=256 * feeds, crests=feeds, seed=int(row["seed"]))
+    size = feeds * of.feed
+    # the shortest wave has four points
+    points, crests = round(4.0 * size / float(row["shortest_m"])), round(size / of.texture.period)
+    heights = of.texture.heights(points=points, crests=crests, seed=int(row["seed"]))
     metal = {"effective_modulus": of.effective_modulus, "hardness": of.hardness}
-    result = leak.direct.simulate(
-        heights, feeds * of.feed, [float(row["pressure_Pa"])], periodic=True, **metal
-    )
+    result = leak.direct.simulate(heights, size, [float(row["pressure_Pa"])], periodic=True, **metal)
     return float(result.gap_cubed_along[0])
 
 
-def main() -> None:
-    """Print the numbers."""
-    rows = list(csv.DictReader(TABLE.open(encoding="utf-8")))
-    states = []
+def states(table: Path) -> np.ndarray:
+    """Of each state decades fallen, ln(direct/theory), scatter, waves of crest, rms height over theirs, feeds."""
+    rows = list(csv.DictReader(table.open(encoding="utf-8")))
+    found = []
     for _, group in groupby(rows, key=lambda row: (row["face"], row["feeds"], row["pressure_Pa"])):
         cells = list(group)
         of, pressure = face(cells[0]), float(cells[0]["pressure_Pa"])
         across = [simulate(row) if "--simulate" in sys.argv else float(row["k_across_m3"]) for row in cells]
-        if not any(across):  # sealed: nothing to compare
-            continue
         first = of.conductivity_table(1.0, 1e12).separation[0] ** 3
         theory = float(of.flow_conductivity(pressure, 1.0 / 12.0))
         scatter = np.std(np.log(across), ddof=1) if min(across) > 0.0 else math.nan
-        waves = float(cells[0]["feeds"]) ** 2 * of.feed * of.fine.median_wavenumber / (2.0 * math.pi)
+        feeds = float(cells[0]["feeds"])
+        waves = feeds**2 * of.feed * of.fine.median_wavenumber / (2.0 * math.pi)
         fallen, error = math.log10(first / theory), math.log(np.mean(across) / theory)
-        small = cells[0]["feeds"] == "2"
-        states.append((fallen, error, scatter, waves, of.fine.rms_height / of.texture.crest_height, small))
-        print(f"{cells[0]['face']:14} {pressure / 1e6:5.1f} MPa " + " ".join(f"{x:7.2f}" for x in states[-1]))
-    fallen, error, scatter, waves, height, small = np.array(states).T
-    small = small == 1.0
-    turned, crossing = height < LOST[0], (height > LOST[0]) & (height < LOST[1])
-    for cells, of_size in (("two feeds", small), ("four feeds", ~small)):
-        for low, high in pairwise(DECADES):
-            part = error[turned & of_size & (fallen >= low) & (fallen < high)]
-            if part.size:
-                rms = math.sqrt(np.mean(part**2))
-                print(
-                    f"cells of {cells}, {low:.1f} to {high:.1f} decades: {part.size} states, "
-                    f"rms {rms:.2f}, mean {part.mean():.2f}, median {np.median(part):.2f}"
-                )
+        found.append((fallen, error, scatter, waves, of.fine.rms_height / of.texture.crest_height, feeds))
+        print(f"{cells[0]['face']:14} {pressure / 1e6:5.1f} MPa " + " ".join(f"{x:7.2f}" for x in found[-1]))
+    return np.array(found).T
+
+
+def print_errors(of_what: str, fallen: np.ndarray, error: np.ndarray) -> None:
+    """Rms and mean of ln(direct/theory) by decades."""
+    for low, high in pairwise(DECADES):
+        part = error[(fallen >= low) & (fallen < high)]
+        if part.size:
+            print(
+                f"{of_what}, {low:.1f} to {high:.1f} decades: {part.size} states, "
+                f"rms {math.sqrt(np.mean(part**2)):.2f}, mean {part.mean():.2f}, median {np.median(part):.2f}"
+            )
+
+
+def main() -> None:
+    """Print the numbers."""
+    fallen, error, scatter, waves, height, feeds = states(TABLES[0])
+    turned, crossing, small = height < LOST[0], (height > LOST[0]) & (height < LOST[1]), feeds == 2.0
+    print_errors("cells of two feeds", fallen[turned & small], error[turned & small])
+    print_errors("cells of four feeds", fallen[turned & ~small], error[turned & ~small])
     usual = turned & small & (fallen < DECADES[-2])
     slope, start = np.polyfit(fallen[usual], np.log10(scatter * np.sqrt(waves))[usual], 1)
     print(f"scatter of a median wave of crest: {10.0**start:.2f} times 10^({slope:.2f} decades)")
     share = np.log(height[crossing] / LOST[0]) / math.log(LOST[1] / LOST[0])
     of_share = np.mean(error[crossing] / (4.0 * share * (1.0 - share)))
     print(f"crests half lost in the roughness: mean {of_share:.2f}")
+    print_errors("two turned faces on each other", *states(TABLES[1])[:2])
 
 
 if __name__ == "__main__":

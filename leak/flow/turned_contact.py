@@ -26,6 +26,8 @@ from leak.theory.plasticity import Reading
 # Places along a piece of crest, pieces, feeds that a piece is long at least, and points in the shortest wave of the
 # fine roughness on it.
 _PLACES, _PIECES, _LEAST_FEEDS, _POINTS_PER_WAVE, _SEED = 1024, 8, 4, 4, 1
+# Maps of it that pieces of crests of unlike heights come from.
+_MAPS = 4
 # A crest is known so many rms heights down its sides, and so many points at least.
 _DEPTH, _LEAST_POINTS = 12.0, 16
 # Over the rms height of the fine roughness: by how much crests differ that count as equally high, depth of valleys from
@@ -93,6 +95,8 @@ class TurnedContact:
     phase : float
         Way from a crest of this face to one of the other, over that after which both lie alike: a feed, if the feeds
         are equal; not known of real faces, so sample it [-].
+    crest_scatter : float
+        Rms deviation of the heights of crests from each other, by which the feed and vibration differ [m].
     effective_modulus : float
         E* [Pa].
     hardness : float, optional
@@ -120,6 +124,7 @@ class TurnedContact:
     fine: PowerSpectrum = field(kw_only=True)
     other: Cusps | None = field(default=None, kw_only=True)
     phase: float = field(default=0.5, kw_only=True)
+    crest_scatter: float = field(default=0.0, kw_only=True)
     effective_modulus: float = field(kw_only=True)
     hardness: float | None = field(default=None, kw_only=True)
     thread_radius: float = field(default=math.inf, kw_only=True)
@@ -129,6 +134,11 @@ class TurnedContact:
     def __post_init__(self) -> None:
         self.texture  # noqa: B018
         positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
+        if not 0.0 <= self.crest_scatter < self.texture.crest_height:
+            raise SurfaceError(
+                f"crest_scatter = {self.crest_scatter:g} m: must be from 0 to below the height of the crests, "
+                f"{self.texture.crest_height:g} m"
+            )
         if self.hardness is not None:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
         if not self.thread_radius > 0.0:
@@ -141,8 +151,27 @@ class TurnedContact:
 
     @cached_property
     def _crests(self) -> tuple[Crest, ...]:
-        """Those that repeat together."""
-        return self.texture.crests(self.fine.rms_height)
+        """Those that repeat together; of unlike heights some more, which deviate as a normal distribution has it."""
+        crests = self.texture.crests(self.fine.rms_height)
+        if self.crest_scatter == 0.0:
+            return crests
+        from scipy.special import ndtri
+
+        periods = math.ceil(_PIECES / len(crests))
+        count = periods * len(crests)
+        # a step that has no divisor in common with their number mixes high and low ones
+        step = next(step for step in range(int(0.38 * count), count + 1) if math.gcd(step, count) == 1)
+        deviation = ndtri((np.arange(count) * step % count + 0.5) / count)
+        deviation *= self.crest_scatter / deviation.std()
+        repeated = [
+            crest._replace(place=crest.place + period * self.texture.period)
+            for period in range(periods)
+            for crest in crests
+        ]
+        return tuple(
+            crest._replace(height=crest.height + by)
+            for crest, by in zip(repeated, deviation.tolist(), strict=True)
+        )
 
     @property
     def spectrum(self) -> PowerSpectrum:
@@ -178,10 +207,10 @@ class TurnedContact:
         """Its pressure does not fall exponentially with the gap."""
         return False
 
-    @property
+    @cached_property
     def _crest_distance(self) -> float:
         """On average [m]."""
-        return self.texture.period / len(self._crests)
+        return self.texture.period / len(self.texture.crests(self.fine.rms_height))
 
     @property
     def contact_pressure(self) -> float:
@@ -213,17 +242,19 @@ class TurnedContact:
         """Pieces of its crests, from one random map of the fine roughness."""
         fine, crests = self._resolved, self._crests
         spacing = 2.0 * math.pi / fine.q_high / _POINTS_PER_WAVE
-        lowest, slope = min(crest.height for crest in crests), min(crest.slope for crest in crests)
+        heights, slope = [crest.height for crest in crests], min(crest.slope for crest in crests)
         reach = min(
             max(max(crest.valleys) for crest in crests),
-            _LEAST_POINTS * spacing + (_DEPTH * fine.rms_height - lowest) / slope,
+            _LEAST_POINTS * spacing + (_DEPTH * fine.rms_height + max(heights) - min(heights)) / slope,
         )
         across = np.arange(-int(reach / spacing), int(reach / spacing) + 1)
-        heights = _heights_of(fine, spacing)
         rows = max(_PIECES // len(crests), 1)
+        # what the highest crests of all let through must not be chance
+        maps = 1 if self.crest_scatter == 0.0 else _MAPS
         pieces = [
-            heights[:, (row * (_PLACES // rows) + round(crest.place / spacing) + across) % _PLACES]
+            rough[:, (row * (_PLACES // rows) + round(crest.place / spacing) + across) % _PLACES]
             - self._cusp(crest, np.asarray(across * spacing))
+            for rough in (_heights_of(fine, spacing, _SEED + number) for number in range(maps))
             for row in range(rows)
             for crest in crests
         ]
@@ -243,9 +274,10 @@ class TurnedContact:
     def _cusp(self, crest: Crest, x: FloatArray) -> FloatArray:
         """Depth of a smooth crest at a way x from its top, on beyond its valleys with its slope [m]."""
         if self.other is None:
-            return self.texture.depth_at(np.abs(x))
+            return self.texture.depth_at(np.abs(x)) - crest.height
         within = np.clip(x, -crest.valleys[0], crest.valleys[1])
-        return self.texture.depth_below(crest.place + within) + crest.slope * np.abs(x - within)
+        depth = self.texture.depth_below(crest.place + np.append(within, 0.0))
+        return depth[:-1] - depth[-1] - crest.height + crest.slope * np.abs(x - within)
 
     @cached_property
     def _throat_slopes(self) -> tuple[tuple[FloatArray, FloatArray], ...]:
@@ -323,7 +355,9 @@ class TurnedContact:
     @property
     def touch_distance(self) -> float:
         """Mean gap of faces that just touch, valleys included [m]: of a million places one is five rms heights high."""
-        return self.texture.mean_depth + 5.0 * self.fine.rms_height
+        return (
+            self.texture.mean_depth + 5.0 * self.fine.rms_height + max(crest.height for crest in self._crests)
+        )
 
     def _state(self, pressed: PressedCrests) -> _State:
         return _State(
@@ -739,9 +773,9 @@ class TurnedContact:
 
 
 # crests that yield and those that do not are of one roughness
-@lru_cache(maxsize=1)
-def _heights_of(fine: PowerSpectrum, spacing: float) -> FloatArray:
-    return random_map(fine, size=_PLACES * spacing, points=_PLACES, seed=_SEED)
+@lru_cache(maxsize=_MAPS)
+def _heights_of(fine: PowerSpectrum, spacing: float, seed: int) -> FloatArray:
+    return random_map(fine, size=_PLACES * spacing, points=_PLACES, seed=seed)
 
 
 @lru_cache(maxsize=32)
@@ -749,7 +783,8 @@ def _load(face: TurnedContact) -> tuple[_State, ...]:
     """First loading, level by level, until the crests are flat or no more is known of them."""
     lines = face.lines
     tops = lines.rough_tops
-    level, step = float(tops.mean()) + _FIRST * float(tops.std()), _STEP * float(tops.std())
+    level = float(lines.smooth.max()) + float(tops.mean()) + _FIRST * float(tops.std())
+    step = _STEP * float(tops.std())
     states: list[_State] = []
     width: FloatArray | None = None
     for _ in range(_MOST_LEVELS):

@@ -16,6 +16,7 @@ from scipy.integrate import quad
 from scipy.special import k0
 
 import leak
+from leak.flow import turned_contact
 from leak.theory.crest_line import CrestLines
 
 DIRECT = SHARED / "reference" / "turned_direct.csv"
@@ -343,17 +344,24 @@ def of_cells(face: leak.TurnedContact, pressures: np.ndarray) -> np.ndarray:
 def face_of(row: np.void) -> leak.TurnedContact:
     """Of a row of the reference."""
     feed = float(row["feed_m"])
+    own = "phase" in row.dtype.names
+    hurst, rolloff = (row[name if own else f"fine_{name}"] for name in ("hurst", "rolloff_m"))
     spectrum = leak.PowerSpectrum.self_affine(
         rms_height=float(row["fine_rms_m"]),
-        hurst=float(row["fine_hurst"]),
+        hurst=float(hurst),
         q_low=math.pi / feed,
-        q_rolloff=2.0 * math.pi / float(row["fine_rolloff_m"]),
-        q_high=float(row["q_high"]),
+        q_rolloff=2.0 * math.pi / float(rolloff),
+        q_high=2.0 * math.pi / float(row["shortest_m"]) if own else float(row["q_high"]),
     )
+    other = {}
+    if own:
+        cusps = leak.Cusps(float(row["other_feed_m"]), float(row["other_nose_radius_m"]))
+        other = {"other": cusps, "phase": float(row["phase"])}
     return leak.TurnedContact(
         feed=feed,
         nose_radius=float(row["nose_radius_m"]),
         fine=spectrum,
+        **other,
         effective_modulus=float(row["E_star_Pa"]),
         hardness=float(row["hardness_Pa"]),
     )
@@ -469,7 +477,6 @@ def test_error_widens_towards_sealing_and_with_fewer_waves():
 @pytest.mark.parametrize("face", [(1e-7, 8e-4, 3.5e9), (2e-8, 8e-4, 0.9e9), (2e-7, 6e-4, 5e9)])
 def test_steps_between_levels_leave_a_few_per_cent(face, monkeypatch):
     """Against levels half as far apart, solved to a twentieth."""
-    from leak.flow import turned_contact
     from leak.theory import crest_line
 
     rms, nose_radius, hardness = face
@@ -610,8 +617,101 @@ def test_two_faces_with_all_lengths_halved_conduct_an_eighth():
         ({"other": leak.Cusps(1e-3, 8e-4)}, "other.feed"),
         ({"phase": 1.5}, "phase"),
         ({"phase": math.nan}, "phase"),
+        ({"crest_scatter": -1e-9}, "crest_scatter"),
+        ({"crest_scatter": 2e-6}, "crest_scatter"),
     ],
 )
 def test_impossible_other_faces_are_refused(changes, reason):
     with pytest.raises(leak.SurfaceError, match=reason):
         turned(**changes)
+
+
+@pytest.mark.slow
+def test_direct_simulation_of_two_turned_faces_agrees():
+    """Eight pairs of equal and unlike feeds, two cells each, above a thousandth of the first conductivity."""
+    rows = np.genfromtxt(
+        ROOT / "benchmarks" / "turned_pairs.csv", delimiter=",", names=True, dtype=None, encoding="utf8"
+    )
+    logs, held = [], []
+    for name in np.unique(rows["face"]):
+        of_pair = rows[rows["face"] == name]
+        face = face_of(of_pair[0])
+        first = face.conductivity_table(1.0, 1e12).separation[0] ** 3
+        for p in np.unique(of_pair["pressure_Pa"]):
+            cells = of_pair[of_pair["pressure_Pa"] == p]
+            assert face.mean_separation(p) == pytest.approx(cells["mean_gap_m"].mean(), rel=0.06)
+            assert face.contact_area(p) == pytest.approx(cells["area"].mean(), rel=0.25)
+            along = np.mean(face.valley_gaps(p) ** 3)
+            assert along == pytest.approx(cells["k_along_m3"].mean(), rel=0.15)
+            theory, across = face.flow_conductivity(p, 1.0 / 12.0), cells["k_across_m3"].mean()
+            if theory < 1e-3 * first:
+                assert across < 3.0 * theory
+                continue
+            logs.append(math.log(across / theory))
+            wave = 2.0 * math.pi / face.fine.median_wavenumber
+            waves = cells.size * (128.0 * cells["shortest_m"][0] / wave) ** 2
+            low, high = face.flow_error(p, waves=waves).factor([0.05, 0.95])
+            held.append(low < across / theory < high)
+    assert len(logs) == 29
+    assert math.sqrt(np.mean(np.square(logs))) < 0.25
+    assert np.mean(held) >= 0.9
+
+
+def crests_of_four_maps(feed: float, pressures: np.ndarray, monkeypatch) -> np.ndarray:
+    """12 eta times the conductivity of equal crests, so far apart, from as many maps as scattered ones [m^3]."""
+    pieces = []
+    for seed in range(1, 5):
+        monkeypatch.setattr(turned_contact, "_SEED", seed)
+        pieces.append(turned().lines.heights)
+    monkeypatch.undo()
+    lines = replace(steel().lines, heights=np.concatenate(pieces), feed=feed)
+    levels = lines.tops.mean() + lines.tops.std() * np.arange(2.6, -2.6, -0.4)
+    pressed = [lines.press(level) for level in levels]
+    log_k = [math.log(feed * steel().texture.side_slope * np.mean(state.gap**2)) for state in pressed]
+    return np.exp(np.interp(np.log(pressures), [math.log(state.pressure) for state in pressed], log_k))
+
+
+def test_of_crests_of_very_unlike_heights_one_carries_all(monkeypatch):
+    """The others, far below, add nothing: one crest in eight feeds, 12 eta k = 8 f m <g^2>."""
+    scattered, p = turned(crest_scatter=1.4e-6), np.array([0.5e6, 1.5e6])
+    one = crests_of_four_maps(8e-4, p, monkeypatch)
+    assert scattered.flow_conductivity(p, 1.0 / 12.0) == pytest.approx(one, rel=0.2)
+
+
+@pytest.mark.slow
+def test_crests_of_hardly_unlike_heights_are_equal_ones(monkeypatch):
+    p = np.array([5e6, 20e6, 50e6])
+    scattered = turned(crest_scatter=1e-9)
+    equal = crests_of_four_maps(1e-4, p, monkeypatch)
+    assert scattered.flow_conductivity(p, 1.0 / 12.0) == pytest.approx(equal, rel=0.1)
+    assert scattered.mean_separation(p) == pytest.approx(steel().mean_separation(p), rel=0.02)
+    falling = [turned(crest_scatter=rms).flow_conductivity(20e6, 1e-3) for rms in (1e-9, 1e-7, 2e-7)]
+    assert falling[0] > 1.2 * falling[1] > 1.5 * falling[2]
+
+
+@pytest.mark.slow
+def test_direct_simulation_of_crests_of_unlike_heights_agrees():
+    """Cells of four crests as high as -1.34, 0.47, -0.47, 1.34 times the scatter, two of them; steel of 100 um feed.
+
+    Waves from 3.125 um on; valleys between crests of unlike heights are tilted.
+    """
+    simulated = {
+        (2e-7, 10e6): 3.20e-20,
+        (2e-7, 25e6): 3.72e-21,
+        (5e-7, 10e6): 2.35e-20,
+        (5e-7, 25e6): 5.6e-22,
+    }
+    deviation = np.array([-1.0, 0.35, -0.35, 1.0])
+    logs = []
+    for (scatter, p), across in simulated.items():
+        face = turned(fine=fine().between(fine().q_low, 2.0 * math.pi / 3.125e-6), crest_scatter=scatter)
+        crest = face.texture.crests(1e-7)[0]
+        heights = scatter * deviation / deviation.std()
+        face.__dict__["_crests"] = tuple(
+            crest._replace(place=number * face.feed, height=float(height))
+            for number, height in enumerate(heights)
+        )
+        turned_contact._load.cache_clear()
+        logs.append(math.log(across / face.flow_conductivity(p, 1.0 / 12.0)))
+    turned_contact._load.cache_clear()
+    assert math.sqrt(np.mean(np.square(logs))) < 0.45
