@@ -385,11 +385,18 @@ class CaseLoad(LoadResult):
         return _add_doubts(self.validity, share, error)
 
     @property
+    def is_simulated(self) -> bool:
+        """Whether its conductivity is simulated, with a scatter of its own."""
+        return self.rough is not None and self.rough.is_direct
+
+    @property
     def calculated_ends(self) -> Bounds | None:
         """`leak_interval` without what the calculation may be off by [m^3/s]."""
         if self.leak is None:
             return None
         rates = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sample_ends or ())]
+        if self.leak_range is not None and self.sample_ends is not None and self.is_simulated:
+            rates = [*_independent(self.leak.leak_rate, self.leak_range, self.sample_ends)]
         if self.after_test and self.sample_ends is not None:
             rates = [*self.sample_ends]
         return Bounds.of([*rates, *(self.at_preload_ends or ())])
@@ -696,6 +703,17 @@ def _add_doubts(validity: Validity, mesh_error: float | None, own_error: Bounds)
     if own_error != EXACT:
         cautions.append(Finding("own_error", Level.VALID, {"factors": own_error}, own_error))
     return Validity.of(cautions)
+
+
+def _independent(rate: float, *ranges: Bounds) -> Bounds:
+    """Range of a leak rate from what varies independently: logarithms of the factors on either side as errors add."""
+    if not (rate > 0.0 and all(ends.low > 0.0 for ends in ranges)):
+        return Bounds.of([rate, *(end for ends in ranges for end in ends)])
+    down, up = (
+        math.hypot(*(max(factor, 0.0) for factor in factors))
+        for factors in zip(*((math.log(rate / x.low), math.log(x.high / rate)) for x in ranges), strict=True)
+    )
+    return Bounds(rate * math.exp(-down), rate * math.exp(up))
 
 
 def _combine_ends(

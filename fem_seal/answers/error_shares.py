@@ -268,11 +268,10 @@ def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> 
             scatter = float(interval.error_scores[number].var())
             variances = {name: scatter * variance for name, variance in variances.items()}
         variances |= _of_inputs(interval, number)
-    is_simulated = load.rough is not None and load.rough.is_direct
-    if load.leak_range is not None and (is_simulated or not variances):
+    if load.leak_range is not None and (load.is_simulated or not variances):
         # of a simulation two standard errors to either side
         width = math.log(load.leak_range.high / load.leak_range.low)
-        variances["simulation" if is_simulated else "readings"] = (width / 4.0) ** 2
+        variances["simulation" if load.is_simulated else "readings"] = (width / 4.0) ** 2
     total = sum(variances.values())
     if not total > 0.0:
         return ErrorShares()

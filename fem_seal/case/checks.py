@@ -80,14 +80,8 @@ def _direct(case: CaseTables) -> Iterator[Problem]:
         highest = max(case.direct.pressure)
         if highest >= hardness:
             yield problem("direct_pressure", hardness=hardness / 1e6, highest=highest / 1e6)
-    if case.leak.conductivity != "direct":
-        return
-    if case.direct is None:
+    if case.leak.conductivity == "direct" and case.direct is None:
         yield problem("direct_missing")
-    if case.fluid is not None and case.fluid.gas is not None:
-        yield problem("direct_gas", fluid=show(case.fluid.name))
-    if case.uncertainty is not None:
-        yield problem("direct_uncertainty")
 
 
 def _asperities(case: CaseTables) -> Iterator[Problem]:
@@ -425,8 +419,6 @@ def _history(case: CaseTables) -> Iterator[Problem]:
         return
     if case.leak.fluid_in_gap == "local":
         yield problem("local_memory", before=cause, instead=remedy)
-    if case.leak.conductivity == "direct":
-        yield problem("direct_memory", before=cause, instead=remedy)
 
 
 def _fluid(case: CaseTables) -> Iterator[Problem]:

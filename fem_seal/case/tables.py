@@ -660,12 +660,11 @@ class CaseTables(Table):
     def sampling(self) -> Uncertainty | None:
         """What is uncertain: [uncertainty], or for a finish without it a table that adds nothing; None if nothing is.
 
-        None also where samples cannot be calculated: without a fluid, or with a direct simulation.
+        None also without a fluid.
         """
         if self.uncertainty is not None or self.roughness is None or not self.roughness.finishes:
             return self.uncertainty
-        possible = self.fluid is not None and self.leak.conductivity != "direct"
-        return Uncertainty() if possible else None
+        return Uncertainty() if self.fluid is not None else None
 
     @property
     def file(self) -> Path | None:

@@ -22,7 +22,7 @@ from fem_seal.errors import InputError
 from fem_seal.files import problem
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.pieces import work
-from leak import DirectError, GasConductivityTable, RoughContact, TurnedContact
+from leak import DirectError, GasConductivityTable, LoadMemory, RoughContact, TurnedContact
 from leak.direct import (
     ContactState,
     Flow,
@@ -208,17 +208,61 @@ class DirectSettings:
         p_min, p_max, num, end, of_gas
             See `DirectTable.conductivity_table`.
         """
-        found = self.table(surface)
-        if not isinstance(surface, TurnedContact):
-            return found.conductivity_table(p_min, p_max, num, end, of_gas=of_gas)
-        crests = found.conductivity_table(p_min, p_max, num, end, of_gas=True)
-        table = surface.with_thread(crests) if isinstance(crests, GasConductivityTable) else crests
-        return table if of_gas else table.liquid
+        is_turned = isinstance(surface, TurnedContact)
+        table = self.table(surface).conductivity_table(p_min, p_max, num, end, of_gas=of_gas or is_turned)
+        return _with_thread(table, surface, of_gas)
+
+    def of_neighbour(
+        self,
+        surface: FaceContact,
+        neighbour: FaceContact,
+        theory: Callable[[FaceContact], AnyTable],
+        *,
+        end: int = 0,
+        of_gas: bool = False,
+    ) -> AnyTable:
+        """Conductivity of another surface of the same kind that is not simulated: its theory, corrected.
+
+        The theory is multiplied by what the simulation of the one surface found over its theory, at the same pressure
+        over the hardness; of asperities that never yield over E* times their rms slope.
+
+        Parameters
+        ----------
+        surface, neighbour : FaceContact
+            That which is simulated, and the other one.
+        theory : callable
+            Table of a surface that is not turned.
+        end, of_gas
+            See `conductivity`.
+        """
+        of, other = _simulated(surface), _simulated(neighbour)
+        if self.asperities == "elastic":
+            of, other = of.elastic, other.elastic
+        scale = _bearing_pressure(other) / _bearing_pressure(of)
+        is_turned = isinstance(other, TurnedContact)
+        # of a turned face there is one for all pressures, and its thread takes that of gases
+        table = calculated_table(other, 1.0, 2.0, None, of_gas=True) if is_turned else theory(other)
+        table = self.table(of).corrected(table, of, scale, end)
+        return _with_thread(table, neighbour, of_gas)
 
 
 def _simulated(surface: FaceContact) -> FaceContact:
     """What is simulated of a surface: its reading of asperities that yield and its thread are the theory's."""
     return surface.rings if isinstance(surface, TurnedContact) else surface.capped
+
+
+def _with_thread(table: AnyTable, surface: FaceContact, of_gas: bool) -> AnyTable:
+    """Of a turned face the table with its thread, which takes one of all gases."""
+    if isinstance(surface, TurnedContact) and isinstance(table, GasConductivityTable):
+        table = surface.with_thread(table)
+    return table if of_gas else table.liquid
+
+
+def _bearing_pressure(surface: FaceContact) -> float:
+    """What about bears the load where surfaces touch [Pa]."""
+    if isinstance(surface, TurnedContact):
+        return surface.contact_pressure
+    return surface.hardness or surface.effective_modulus * surface.spectrum.rms_slope
 
 
 @dataclass(frozen=True, eq=False)
@@ -709,10 +753,25 @@ class DirectTable:
         theory = calculated_table(surface, p_min, p_max, num or _TABLE_PRESSURES, of_gas=of_gas)
         if self.simulation.has_crests:
             theory = _with_pressures(theory, [row.pressure for row in self.loading])
-        return self._corrected(theory, surface, 1.0, end)
+        elif theory.liquid.memory is not None:
+            # what has yielded is decided by short waves, too
+            memory = LoadMemory(self.simulation.surface)
+            theory = theory.with_liquid(replace(theory.liquid, memory=memory))
+        return self.corrected(theory, surface, 1.0, end)
 
-    def _corrected(self, theory: AnyTable, reference: FaceContact, scale: float, end: int) -> AnyTable:
-        """A table times the factor of the simulation over a reference at p/scale."""
+    def corrected(self, theory: AnyTable, reference: FaceContact, scale: float, end: int) -> AnyTable:
+        """A table times the factor that the simulation found.
+
+        Parameters
+        ----------
+        theory : ConductivityTable or GasConductivityTable
+        reference : FaceContact
+            Over whose u_eff in the theory the factor is.
+        scale : float
+            Pressure in the table over that of the simulation at which the factor is taken.
+        end : {-1, 0, 1}
+            See `conductivity_table`.
+        """
         from scipy.interpolate import PchipInterpolator
 
         p = np.array([row.pressure for row in self.loading])

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Self
 
@@ -338,12 +339,16 @@ class NeighbourSource(Source):
 
     def table(self, flow: FlowModel, surface: FaceContact, log_peaks: Sequence[float]) -> Conductivity:
         """Of the known surface's family, or a short one for the pressures of the contacts themselves."""
-        if flow.direct is not None:
+        solved_surface, direct = self.solved_problem.surface, flow.direct
+        assert solved_surface is not None  # of all who ask
+        if direct is not None and surface not in (solved_surface, solved_surface.elastic):
+            theory = partial(self.table, replace(flow, direct=None), log_peaks=log_peaks)
+            of_gas = flow.gas is not None
+            return direct.of_neighbour(solved_surface, surface, theory, end=flow.end, of_gas=of_gas)
+        if direct is not None:
             # with the range of the solved seal, as long as it will do, the table's own error is that of all
             solved_peaks = log_peaks_of([contact for load in self.loads for contact in load.contacts])
             return flow.table_around(surface, [*solved_peaks, *log_peaks])
-        solved_surface = self.solved_problem.surface
-        assert solved_surface is not None  # of all who ask
         table = family_table(flow, surface) if same_family(surface, solved_surface) else None
         return table or flow.short_table(surface, log_peaks)
 

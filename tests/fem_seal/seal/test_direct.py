@@ -27,6 +27,7 @@ from fem_seal.seal.problem import direct_settings, rough_contact
 from fem_seal.units import Display
 from fem_seal.validity.checks import _direct_cautions
 from leak import DirectError, Reading, RoughContact
+from leak.direct import simulate
 
 SMALL = {"points": 64, "samples": 2, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}
 CASE = """
@@ -80,8 +81,6 @@ def wrong(**tables):
 
 
 def test_rows_are_means_of_the_samples():
-    from leak.direct import simulate
-
     found = table()
     simulation = found.simulation
     runs = [
@@ -566,6 +565,91 @@ def test_pressure_beyond_the_simulated_ones_is_doubtful():
     assert result().loads[0].validity.level == "doubtful"
 
 
+@pytest.mark.parametrize("pressure", [4e7, 1.5e8])
+def test_gas_flows_through_the_simulated_gaps(pressure):
+    """The table against the flow of a rarefied gas through the same pressed maps."""
+    found = table()
+    simulation, log_p = found.simulation, np.log([pressure])
+    gas = found.conductivity_table(1e5, 1e9, of_gas=True)
+    assert gas.liquid.separation == pytest.approx(found.conductivity_table(1e5, 1e9).separation)
+    metal = {"effective_modulus": simulation.surface.effective_modulus, "hardness": 3.5e9}
+    u = float(gas.at_log_pressure(log_p)[0])
+    for flight in (1e-7, 1e-5):
+        liquid, rarefied = (
+            [
+                simulate(simulation.map(k), simulation.patch.size, [pressure], **metal, flight=way)
+                .flow_conductivity(1.0)
+                .item()
+                for k in range(2)
+            ]
+            for way in (None, flight)
+        )
+        ratio = np.exp(np.mean(np.log(np.array(rarefied) / liquid)))
+        flow = np.exp(gas.log_flow_at(log_p)(np.log([u / flight])))
+        assert flow[0] == pytest.approx(ratio, rel=0.1)
+
+
+def test_larger_load_before_is_that_of_the_simulation():
+    """The theory's pressure of first loading that lets as much through, against the samples that were unloaded."""
+    spectrum = {"kind": "self-affine", "rms_height": "1 um", "hurst": 0.8}
+    spectrum |= {"q_low": "2e4 1/m", "q_rolloff": "5e4 1/m", "q_high": "2e5 1/m"}
+    given = case(roughness={"spectrum": spectrum}, direct={**SMALL, "points": 128, "unload": ["40 MPa"]})
+    found = direct_settings(given).table(rough_contact(given))
+    # the patch holds all waves
+    assert found.simulation.patch.slope_cut < 0.01
+    back = found.rows[-1]
+    liquid = found.conductivity_table(1e5, 1e9)
+    at = liquid.first_loading(np.log([back.pressure]), np.log([back.largest_pressure]))
+    first = found.rows[0].effective_gap
+    assert back.effective_gap < 0.8 * first
+    assert liquid.at_log_pressure(at)[0] ** 3 == pytest.approx(back.effective_gap**3, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"hardness": 0.8 * 3.5e9},
+        {"effective_modulus": 1.03e11},
+        {"spectrum": simulated()[1].spectrum.scaled(1.2)},
+    ],
+)
+def test_neighbour_that_is_not_simulated_has_the_factor_of_the_one_that_is(change):
+    settings, surface = simulated()
+    other = replace(surface, **change)
+    corrected = settings.of_neighbour(surface, other, lambda x: x.conductivity_table(1e5, 1e9, 64))
+    rows = settings.table(other).rows[:2]
+    assert corrected.effective_separation([x.pressure for x in rows]) ** 3 == pytest.approx(
+        np.array([x.effective_gap for x in rows]) ** 3, rel=0.1
+    )
+    # and the simulated one is itself
+    same = settings.of_neighbour(surface, surface, lambda x: x.conductivity_table(1e5, 1e9, 64))
+    own = settings.table(surface).rows[:2]
+    assert same.effective_separation([x.pressure for x in own]) == pytest.approx(
+        [x.effective_gap for x in own], rel=0.01
+    )
+
+
+def test_gas_uncertain_inputs_and_a_larger_load_before_in_a_run():
+    tables = {
+        "leak": {"conductivity": "direct"},
+        "direct": SMALL,
+        "load": {"fluid_pressure": "20 bar"},
+        "fluid": {"name": "helium", "outlet_pressure": "1 bar"},
+    }
+    plain = fem_seal.run(case(**tables), sensitivities=False).loads[0]
+    tables["load"] = {"fluid_pressure": "20 bar", "largest_earlier_force": "4 kN"}
+    tables["uncertainty"] = {"samples": 16, "hardness": {"relative": 0.1}}
+    after = fem_seal.run(case(**tables), sensitivities=False)
+    (load,) = after.loads
+    assert load.leak.leak_rate < 0.9 * plain.leak.leak_rate
+    low, high = load.sample_ends
+    assert low < load.leak.leak_rate < high
+    # both are in the interval, as independent errors are
+    down = np.hypot(*(np.log(load.leak.leak_rate / x) for x in (low, load.leak_range.low)))
+    assert load.calculated_ends.low == pytest.approx(load.leak.leak_rate * np.exp(-down))
+    assert load.leak_interval.high >= load.calculated_ends.high > max(high, load.leak_range.high)
+
+
 def test_what_is_wrong_with_the_simulation_is_said_before_the_bodies_are_solved():
     said: list[str] = []
     tight = case(
@@ -580,11 +664,6 @@ def test_what_is_wrong_with_the_simulation_is_said_before_the_bodies_are_solved(
 
 def test_what_does_not_go_with_it():
     assert "leak.conductivity" in wrong(leak={"conductivity": "direct"})
-    gas = {"name": "helium", "outlet_pressure": "1 bar"}
-    assert "is for liquids" in wrong(leak={"conductivity": "direct"}, direct=SMALL, fluid=gas)
-    assert "[uncertainty] samples hundreds" in wrong(
-        leak={"conductivity": "direct"}, direct=SMALL, uncertainty={"hardness": {"relative": 0.1}}
-    )
     assert "reaches the hardness" in wrong(direct={"pressure": "4 GPa"})
     assert "only smaller ones come after it" in wrong(direct={"pressure": "1 GPa", "unload": "2 GPa"})
     assert "has unload, which needs pressure" in wrong(direct={"unload": "2 GPa"})

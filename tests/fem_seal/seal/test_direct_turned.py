@@ -120,6 +120,39 @@ def test_table_goes_through_the_simulated_states_and_has_the_thread():
         assert k == pytest.approx(found.k_across + thread, rel=0.02)
 
 
+@pytest.mark.parametrize("pressure", [8e6, 2e7])
+def test_gas_flows_through_the_simulated_crests(pressure):
+    """The table against the flow of a rarefied gas through the same pressed faces: of free molecules a quarter less."""
+    from leak.direct import PressedPatch, press
+
+    found = fem_seal.direct(case_of())
+    simulation, log_p = found.simulation, np.log([pressure])
+    gas = found.conductivity_table(1e5, 1e9, of_gas=True)
+    u = float(gas.at_log_pressure(log_p)[0])
+    H = simulation.surface.hardness
+    states = [press(simulation.body, simulation.map(k), pressure, hardness=H) for k in range(2)]
+    for flight in (1e-7, 1e-6, 1e-5):
+        k, k_gas = (
+            np.mean([PressedPatch.of(x, periodic=True, flight=way).gap_cubed_along for x in states])
+            for way in (None, flight)
+        )
+        flow = np.exp(gas.log_flow_at(log_p)(np.log([u / flight])))
+        assert flow[0] == pytest.approx(k_gas / k, rel=0.25)
+
+
+@pytest.mark.parametrize("key", ["hardness", "effective_modulus", "fine"])
+def test_neighbour_that_is_not_simulated_has_the_factor_of_the_one_that_is(key):
+    settings, surface = direct_settings(case_of()), rough_contact(case_of())
+    assert isinstance(surface, leak.TurnedContact)
+    value = surface.fine.scaled(1.2) if key == "fine" else 0.85 * getattr(surface, key)
+    other = replace(surface, **{key: value})
+    table = settings.of_neighbour(surface, other, lambda x: x.conductivity_table(1e5, 1e9))
+    # the highest pressure is next to sealing, where few places decide
+    rows = settings.table(other).rows[:2]
+    k = np.array([row.effective_gap for row in rows]) ** 3
+    assert table.liquid.effective_separation([row.pressure for row in rows]) ** 3 == pytest.approx(k, rel=0.1)
+
+
 def test_a_second_case_takes_the_pieces_of_the_first(tmp_path, monkeypatch):
     monkeypatch.setenv("FEM_SEAL_CACHE", str(tmp_path))
     case = case_of({"points": 32, "samples": 1, "pressure": ["8 MPa", "20 MPa"]})
