@@ -342,9 +342,9 @@ class NeighbourSource(Source):
         solved_surface, direct = self.solved_problem.surface, flow.direct
         assert solved_surface is not None  # of all who ask
         if direct is not None and surface not in (solved_surface, solved_surface.elastic):
-            theory = partial(self.table, replace(flow, direct=None), log_peaks=log_peaks)
+            table_of = partial(self.table, replace(flow, direct=None), log_peaks=log_peaks)
             of_gas = flow.gas is not None
-            return direct.of_neighbour(solved_surface, surface, theory, end=flow.end, of_gas=of_gas)
+            return direct.of_neighbour(solved_surface, surface, table_of, end=flow.end, of_gas=of_gas)
         if direct is not None:
             # with the range of the solved seal, as long as it will do, the table's own error is that of all
             solved_peaks = log_peaks_of([contact for load in self.loads for contact in load.contacts])
