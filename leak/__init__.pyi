@@ -91,6 +91,7 @@ from .surfaces.finish import Finish as Finish
 from .surfaces.finish import FinishedSurface as FinishedSurface
 from .surfaces.finish import Process as Process
 from .surfaces.finish import process_named as process_named
+from .surfaces.ground import GroundTexture as GroundTexture
 from .surfaces.measured import MeasuredSurface as MeasuredSurface
 from .surfaces.measured import measure as measure
 from .surfaces.profile_parameters import ExpectedRoughness as ExpectedRoughness

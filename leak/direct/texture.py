@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,9 +16,11 @@ from leak.direct.contact import PeriodicHalfSpace, checked_pressures, press
 from leak.direct.elastoplastic import elastoplastic_path
 from leak.direct.simulation import PressedPatch
 from leak.errors import DirectError, positive
+from leak.surfaces.ground import GroundTexture
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import TurnedTexture
 
+Texture: TypeAlias = TurnedTexture | GroundTexture
 # On the shortest wave of the fine roughness.
 _POINTS_PER_WAVE = 4
 
@@ -30,7 +33,7 @@ class TexturePatch:
 
     Parameters
     ----------
-    texture : TurnedTexture
+    texture : TurnedTexture or GroundTexture
     points : int
         Along a side, a multiple of `crests`.
     crests : int
@@ -51,7 +54,7 @@ class TexturePatch:
     200 um, waves from 6.25 um on
     """
 
-    texture: TurnedTexture
+    texture: Texture
     points: int
     crests: int = 2
 
@@ -80,9 +83,12 @@ class TexturePatch:
     @cached_property
     def grid_spectrum(self) -> PowerSpectrum:
         """The part of the fine roughness that the grid holds."""
-        fine = self.texture.fine
+        return self._held(self.texture.fine)
+
+    def _held(self, spectrum: PowerSpectrum) -> PowerSpectrum:
         # the last wave on a grid line must not be lost to rounding
-        return fine.between(fine.q_low, 2.0 * math.pi / self.shortest_wavelength * (1.0 + 1e-9))
+        highest = 2.0 * math.pi / self.shortest_wavelength * (1.0 + 1e-9)
+        return spectrum.between(spectrum.q_low, highest)
 
     @property
     def height_cut(self) -> float:
@@ -102,7 +108,9 @@ class TexturePatch:
         seed : int
             Of the fine roughness.
         """
-        held = replace(self.texture, fine=self.grid_spectrum)
+        held: Texture = replace(self.texture, fine=self.grid_spectrum)
+        if isinstance(held, GroundTexture):
+            held = replace(held, grooves=self._held(held.grooves))
         return held.heights(points=self.points, crests=self.crests, seed=seed)
 
 
@@ -141,7 +149,7 @@ class TextureResult:
     shortest_wave: float
 
 
-def texture_points(texture: TurnedTexture, crests: int = 2) -> int:
+def texture_points(texture: Texture, crests: int = 2) -> int:
     """Grid points along a side: four on the shortest wave of the fine roughness, from 128 to 512.
 
     It is a multiple of `crests`, so that all crests lie alike on the grid, and one that Fourier transforms are fast
@@ -149,7 +157,7 @@ def texture_points(texture: TurnedTexture, crests: int = 2) -> int:
 
     Parameters
     ----------
-    texture : TurnedTexture
+    texture : TurnedTexture or GroundTexture
     crests : int
         In the square.
 
@@ -177,7 +185,7 @@ def _check_crests(crests: int) -> None:
 
 
 def simulate_texture(
-    texture: TurnedTexture,
+    texture: Texture,
     *,
     effective_modulus: float,
     pressures: ArrayLike,
@@ -197,7 +205,7 @@ def simulate_texture(
 
     Parameters
     ----------
-    texture : TurnedTexture
+    texture : TurnedTexture or GroundTexture
         Both faces together.
     effective_modulus : float
         E* of both bodies together [Pa].
