@@ -12,9 +12,6 @@ from leak.errors import SurfaceError, positive
 from leak.surfaces.random import profile_density, random_map
 from leak.surfaces.spectrum import PowerSpectrum
 
-# Waves of the grooves that make their height, in a period.
-_WAVES = 4.0
-
 
 @dataclass(frozen=True)
 class GroundTexture:
@@ -65,7 +62,7 @@ class GroundTexture:
     @property
     def period(self) -> float:
         """Half of the side of a square with eight of the waves that make the height of the grooves [m]."""
-        return _WAVES * 2.0 * math.pi / self.grooves.median_wavenumber
+        return 4.0 * 2.0 * math.pi / self.grooves.median_wavenumber
 
     def heights(self, *, points: int, crests: int, seed: int) -> FloatArray:
         """A periodic square piece of the face, as `leak.direct.simulate` takes it.
