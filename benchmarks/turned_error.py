@@ -2,6 +2,7 @@
 
     python benchmarks/turned_error.py             from turned_direct.csv, on a flat, and turned_pairs.csv, on each other
     python benchmarks/turned_error.py --simulate  once more with the same cells
+    python benchmarks/turned_error.py --unloaded  after a larger load, from benchmarks/turned_unloaded.csv
 
 Cells are two feeds wide and long, or four. It prints ln(direct/theory) by the decades that the conductivity has fallen
 since the first touch, the scatter of single cells over them, and the mean where crests are half lost in the fine
@@ -14,6 +15,7 @@ import csv
 import math
 import sys
 from itertools import groupby, pairwise
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +71,22 @@ def simulate(row: dict[str, str]) -> float:
     return float(result.gap_cubed_along[0])
 
 
+def unloaded() -> None:
+    """Print ln(direct/theory) of each state after a larger load, with its own spread."""
+    rows = list(csv.DictReader(TABLES[0].with_name("turned_unloaded.csv").open(encoding="utf-8")))
+    key = itemgetter("face", "model", "largest_Pa", "pressure_Pa")
+    for (name, model, *_), group in groupby(rows, key=key):
+        cells = list(group)
+        of, pressure, largest = face(cells[0]), float(cells[0]["pressure_Pa"]), float(cells[0]["largest_Pa"])
+        across = np.array([float(row["k_across_m3"]) for row in cells])
+        theory = float(of.flow_conductivity(pressure, 1.0 / 12.0, largest=largest))
+        error = of.flow_error(pressure, largest=largest)
+        ratio = math.log(across.mean() / theory) - float(error.bias)
+        print(
+            f"{name:14} {model:10} {largest / 1e6:5.1f} {pressure / 1e6:5.1f} MPa {ratio:6.2f} {error.spread:5.2f}"
+        )
+
+
 def states(table: Path) -> np.ndarray:
     """Of each state decades fallen, ln(direct/theory), scatter, waves of crest, rms height over theirs, feeds."""
     rows = list(csv.DictReader(table.open(encoding="utf-8")))
@@ -101,6 +119,9 @@ def print_errors(of_what: str, fallen: np.ndarray, error: np.ndarray) -> None:
 
 def main() -> None:
     """Print the numbers."""
+    if "--unloaded" in sys.argv:
+        unloaded()
+        return
     fallen, error, scatter, waves, height, feeds = states(TABLES[0])
     turned, crossing, small = height < LOST[0], (height > LOST[0]) & (height < LOST[1]), feeds == 2.0
     print_errors("cells of two feeds", fallen[turned & small], error[turned & small])

@@ -288,9 +288,11 @@ class CaseLoad(LoadResult):
     def flow_error(self) -> FlowError | None:
         """Distribution of what direct simulation finds over the leak rate.
 
-        By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
+        By `flow_error` of the surface at the peak pressure, with the waves of the sealing area; None where the
         conductivity is itself simulated, and for the paper's theory, which does not know its error.
         """
+        from leak import TurnedContact
+
         surface = None if self.rough is None or self.rough.is_direct else self.rough.surface
         if surface is None or not surface.knows_deviation or not self.peak_pressure > 0.0:
             return None
@@ -298,7 +300,10 @@ class CaseLoad(LoadResult):
         wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
         profile = self.tightest
         circle = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
-        return surface.flow_error(self.peak_pressure, waves=self.fwhm * circle / wavelength**2)
+        waves = self.fwhm * circle / wavelength**2
+        if isinstance(surface, TurnedContact):
+            return surface.flow_error(self.peak_pressure, waves=waves, largest=profile.highest)
+        return surface.flow_error(self.peak_pressure, waves=waves)
 
     @property
     def stop_force(self) -> float | None:

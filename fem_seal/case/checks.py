@@ -316,7 +316,6 @@ def _turned(case: CaseTables) -> Iterator[Problem]:
         'leak.fluid_in_gap = "local"': case.leak.fluid_in_gap == "local",
         "fluid.particles": particles,
         "form.lay": case.form is not None and case.form.lay is not None,
-        "load.largest_earlier_force": case.load.largest_earlier_force is not None,
     }
     measured = isinstance(face, MeasuredSpectrum)
     for option, is_used in options.items():

@@ -165,7 +165,7 @@ def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
         yield Scenario(name, replace(problem, flow=replace(flow, end=end)))
     if (test_flow := with_test_gas(flow)) is not flow:
         yield Scenario(TEST_GAS, replace(problem, flow=test_flow))
-    if isinstance(surface, leak.RoughContact) and surface.hardness is not None:
+    if surface.hardness is not None:
         yield Scenario(FIRST_LOADING, replace(problem, loads=problem.loads.on_new_surfaces))
 
 

@@ -49,15 +49,16 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
             crests=crests,
             feed=surface.feed,
         )
-    tight = max(loads, key=lambda load: load.peak_pressure)
+    tight = max(loads, key=lambda load: acting_pressure(surface, load))
+    acts = acting_pressure(surface, tight)
     limit = surface.nearly_sealed_pressure if tight.rough is None else tight.rough.crests_open_up_to
-    if tight.peak_pressure <= limit:
+    if acts <= limit:
         return
     leak, high = tight.leak, math.inf
     if leak is not None and leak.leak_rate > 0.0 and tight.leak_before_sealing > 0.0:
         high = max(tight.leak_before_sealing / leak.leak_rate, 1.0)
     # what the thread lets through flows all the same
-    thread_share = float(surface.thread_share(tight.peak_pressure))
+    thread_share = float(surface.thread_share(acts))
     matters = thread_share < _THREAD or high > 1.0 / _THREAD
     yield caution(
         "crests_nearly_sealed",
@@ -68,9 +69,20 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
         proven=not matters,
         pressure=limit,
         simulated=tight.rough is not None and tight.rough.is_direct,
-        sealed=tight.peak_pressure >= surface.sealing_pressure,
+        sealed=acts >= surface.sealing_pressure,
         times=high if high < ORDERS_OF_MAGNITUDE else None,
     )
+
+
+def acting_pressure(surface: TurnedContact, load: LoadResult) -> float:
+    """Of first loading, for the tightest place after what it has carried before [Pa].
+
+    Parameters
+    ----------
+    surface : TurnedContact
+    load : LoadResult
+    """
+    return float(surface.equivalent_first_loading_pressure(load.peak_pressure, load.tightest.highest))
 
 
 def crest_places(surface: TurnedContact, load: LoadResult) -> Bounds:
@@ -99,8 +111,8 @@ def crest_places(surface: TurnedContact, load: LoadResult) -> Bounds:
 def _resistances(surface: TurnedContact, rough: LeakModel, land: PressureProfile) -> FloatArray:
     """Of the crests on a land for each place of the first one, in any unit."""
     assert rough.flow is not None and rough.table is not None  # of the caller
-    feed, x = surface.feed, land.x
-    table = rough.table.liquid
+    table, feed, x = rough.table.liquid, surface.feed, land.x
+    land = land.equivalent(table)
     totals = []
     for phase in range(_PHASES):
         crests = np.arange(x[0] + phase / _PHASES * feed, x[-1], feed)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
-from typing import ClassVar, NamedTuple, TypeAlias
+from functools import cached_property, lru_cache, partial
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
+from leak.numerics.roots import bisect_roots
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import Crest, Cusps, TurnedTexture
@@ -22,6 +23,9 @@ from leak.theory.crest_line import CrestLines, PressedCrests, of_each
 from leak.theory.interface_law import TabulatedLaw
 from leak.theory.own_error import FlowError
 from leak.theory.plasticity import Reading
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 # Places along a piece of crest, pieces, feeds that a piece is long at least, and points in the shortest wave of the
 # fine roughness on it.
@@ -41,6 +45,8 @@ _MOST_LEVELS, _GROWTH = 40, 1.5
 _SMOOTH, _ACROSS = 20, 1025
 # A face whose conductivity has fallen to this share of the first one is sealed.
 _SEALED = 1e-9
+# ln(largest/p) up to which ln(p*/p) is known after a larger pressure.
+_FALLS = np.array([0.0, 0.1, 0.25, 0.45, 0.7, 1.0, 1.4, 1.9, 2.5, 3.2, 4.0, 5.0, 6.0])
 _TINY = float(np.finfo(float).tiny)
 # Mean gap over the height of the crests at which they are pressed flat.
 _CLOSED = 0.02
@@ -70,6 +76,7 @@ class _State(NamedTuple):
     gap_cubed: float
     level: float
     least_gap: FloatArray
+    width: FloatArray
 
 
 @dataclass(frozen=True)
@@ -223,10 +230,25 @@ class TurnedContact:
         K. L. Johnson, Contact mechanics (1985), sec. 5.2, of an elastic wedge. Its pressure and the hardness are joined
         by the square of their inverses, as elastic edges remain around what has yielded.
         """
-        sides = sum(crest.slope for crest in self._crests) / len(self._crests)
-        slope = math.hypot(sides, self._resolved.rms_slope / math.sqrt(2.0))
-        elastic = 0.5 * self.effective_modulus * slope
+        elastic = self._elastic_contact_pressure
         return elastic if self.hardness is None else 1.0 / math.hypot(1.0 / elastic, 1.0 / self.hardness)
+
+    @property
+    def _elastic_contact_pressure(self) -> float:
+        """E* m'/2 [Pa]."""
+        sides = sum(crest.slope for crest in self._crests) / len(self._crests)
+        return 0.5 * self.effective_modulus * math.hypot(sides, self._resolved.rms_slope / math.sqrt(2.0))
+
+    @property
+    def _yielded_share(self) -> float:
+        """Of an elastic contact of crests with the slope m' so much would bear more than the hardness [-].
+
+        References
+        ----------
+        B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001), for the stress distribution.
+        """
+        over = math.inf if self.hardness is None else self.hardness / self._elastic_contact_pressure
+        return math.exp(-0.5 * over**2)
 
     @cached_property
     def _resolved(self) -> PowerSpectrum:
@@ -292,16 +314,21 @@ class TurnedContact:
             slopes.append((np.log(gaps[:, 0]), -np.log(resistance.sum(axis=1) * gaps[:, 0] ** 2)))
         return tuple(slopes)
 
-    def _throats(self, gap: FloatArray) -> FloatArray:
-        """m g^2 of all places of each crest, shape (n, ...) [m^2]."""
+    def _throats(self, gap: FloatArray, flat: FloatArray | None = None) -> FloatArray:
+        """m g^2 of all places of each crest, with a flat of width w less by w/g^3 in series, shape (n, ...) [m^2]."""
         gaps = of_each(gap, len(self._crests))
         if self.other is None:
-            return self.texture.side_slope * gaps**2
-        with np.errstate(divide="ignore"):
-            slopes = [
-                np.interp(np.log(of), *table) for of, table in zip(gaps, self._throat_slopes, strict=True)
-            ]
-        return np.exp(slopes) * gaps**2
+            throats = self.texture.side_slope * gaps**2
+        else:
+            with np.errstate(divide="ignore"):
+                slopes = [
+                    np.interp(np.log(of), *table) for of, table in zip(gaps, self._throat_slopes, strict=True)
+                ]
+            throats = np.exp(slopes) * gaps**2
+        if flat is None:
+            return throats
+        open_gaps = np.maximum(gaps, _TINY ** (1.0 / 3.0))
+        return np.asarray(throats / (1.0 + of_each(flat, len(self._crests)) * throats / open_gaps**3))
 
     @cached_property
     def _alike(self) -> FloatArray:
@@ -366,6 +393,7 @@ class TurnedContact:
             self._in_series(self._throats(pressed.gap)),
             pressed.level,
             pressed.gap,
+            pressed.width,
         )
 
     def contact_area(self, pressure: ArrayLike) -> FloatArray | float:
@@ -410,19 +438,107 @@ class TurnedContact:
             np.concatenate([self.contact_pressure * share[:0:-1], pressure]),
         )
 
-    def mean_separation(self, pressure: ArrayLike) -> FloatArray | float:
+    def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
+        """Pressure of first loading that lets as much through as a place which carries less than it once did.
+
+        By the flats that the largest load has left, see `leak.theory.coined_crest`; where crests are half lost in the
+        fine roughness both cross over as in `flow_conductivity`. The mean gap is then that of the same pressure within
+        a few per cent.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal [Pa].
+        largest : array_like
+            Largest one that the place has carried, counting where it exceeds `pressure` [Pa].
+
+        Returns
+        -------
+        ndarray
+            Between both, of the broadcast shape [Pa]; `pressure` where nothing larger was carried, where it is zero,
+            and for elastic crests.
+        """
+        memory = self._table.memory
+        assert memory is not None  # of all its tables
+        with np.errstate(divide="ignore"):
+            return np.exp(memory.first_loading(np.log(_checked(pressure)), np.log(_checked(largest))))
+
+    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
+        """See `leak.flow.conductivity.LoadMemory.first_loading`; of crests that stand out of the fine roughness."""
+        log_p, log_top = np.broadcast_arrays(
+            np.asarray(log_pressure, dtype=float), np.asarray(log_largest, dtype=float)
+        )
+        result = np.array(log_p)
+        harder = np.isfinite(log_p) & (log_top > log_p)
+        if self.hardness is None or not np.any(harder):
+            return result
+        known, rises = self._rises
+        # a larger one than is known counts as the largest known one
+        log_p = log_p[harder]
+        log_top = np.clip(
+            log_top[harder], log_p, np.maximum(log_p, np.minimum(known[-1], log_p + _FALLS[-1]))
+        )
+        rise = rises(log_top - log_p)
+        at = np.interp(log_top, known, np.arange(known.size))
+        lower, places = np.minimum(at.astype(int), known.size - 2), np.arange(at.size)
+        rise = rise[lower, places] + (at - lower) * (rise[lower + 1, places] - rise[lower, places])
+        result[harder] = np.clip(log_p + rise, log_p, log_top)
+        return result
+
+    @cached_property
+    def _rises(self) -> tuple[FloatArray, PchipInterpolator]:
+        """ln of the largest pressures, and of each of them ln(p*/p) over ln(largest/p)."""
+        from scipy.interpolate import PchipInterpolator
+
+        from leak.theory.coined_crest import CoinedCrests
+
+        share, states, lines = self._lost_share, self._path, self.lines
+        sealed, rises = _SEALED * states[0].gap_cubed, []
+        # once nothing flows, a larger load changes little more
+        states = states[: 1 + sum(state.gap_cubed > sealed for state in states)]
+        for state in states:
+            coined = CoinedCrests(lines, state.level, state.width, self._yielded_share)
+            pressures, gaps = zip(*coined.lift(), strict=True)
+            p, k = (
+                np.array(pressures),
+                np.array([self._in_series(self._throats(gap, coined.flat)) for gap in gaps]),
+            )
+            u = np.cbrt(np.maximum(k, sealed) if share > 0.0 else np.where(k > sealed, k, 0.0))
+            if share > 0.0:
+                acts = self._rough.equivalent_first_loading_pressure(p, p[0])
+                u = u ** (1.0 - share) * np.asarray(self._rough_table.effective_separation(acts)) ** share
+            log_p = np.log(p)
+            ends = log_p, np.full(p.size, log_p[0])
+            rise = bisect_roots(partial(self._lets_more_through, u), *ends)[1] - log_p
+            rises.append(PchipInterpolator(log_p[0] - log_p, rise)(_FALLS))
+        return np.log([state.pressure for state in states]), PchipInterpolator(_FALLS, rises, axis=1)
+
+    def _lets_more_through(self, u: FloatArray, log_p: FloatArray) -> BoolArray:
+        """Whether u_eff of first loading at ln(p/Pa) is above u [m]."""
+        return self._table.at_log_pressure(log_p) > u
+
+    def _acts(self, pressure: ArrayLike, largest: ArrayLike | None) -> FloatArray:
+        """Pressure of first loading that stands for what acts after a larger one [Pa]."""
+        p = _checked(pressure)
+        return p if largest is None else self.equivalent_first_loading_pressure(p, largest)
+
+    def mean_separation(self, pressure: ArrayLike, *, largest: ArrayLike | None = None) -> FloatArray | float:
         """Mean gap over the nominal area, valleys included [m]; infinite without pressure.
 
         Parameters
         ----------
         pressure : array_like
             Nominal [Pa].
+        largest : array_like, optional
+            See `effective_separation`.
         """
-        p = _checked(pressure)
+        p = self._acts(pressure, largest)
         gap = np.where(p > 0.0, self._law.gap(np.log(np.maximum(p, _TINY))), np.inf)
         return float(gap) if gap.ndim == 0 else gap
 
-    def critical_separation(self, pressure: ArrayLike) -> FloatArray | float:
+    def critical_separation(
+        self, pressure: ArrayLike, *, largest: ArrayLike | None = None
+    ) -> FloatArray | float:
         """Gap that the largest particle passes which crosses the crests [m]; zero where none is left.
 
         At the highest of its openings each crest lets the largest through; the crest with the smallest such opening
@@ -434,8 +550,10 @@ class TurnedContact:
         ----------
         pressure : array_like
             Nominal [Pa].
+        largest : array_like, optional
+            See `effective_separation`.
         """
-        p, share = _checked(pressure), self._lost_share
+        p, share = self._acts(pressure, largest), self._lost_share
         gap = np.ones(p.shape)
         if share < 1.0:
             states = self._path
@@ -533,7 +651,8 @@ class TurnedContact:
         own = _LOG_D + np.log(own_u / np.cbrt(total[: known.size]))[:, None]
         flow = np.exp(crests.log_flow_at(np.log(known)[:, None])(own))
         gas[: known.size] += across[: known.size, None] * flow
-        table = ConductivityTable(pressure, np.cbrt(total), self.contact_pressure, self.contact_pressure)
+        sealing = self.contact_pressure
+        table = ConductivityTable(pressure, np.cbrt(total), sealing, sealing, memory=self._table.memory)
         return GasConductivityTable(table, np.log(gas / total[:, None]) - log_flow_factor(_LOG_D), _LOG_D)
 
     @property
@@ -604,8 +723,7 @@ class TurnedContact:
             more = np.geomspace(pressure[-1], sealing, _BEYOND + 2)[1:-1]
             u = np.concatenate([u, np.full(_BEYOND, np.cbrt(_SEALED * self._path[0].gap_cubed))])
             pressure = np.concatenate([pressure, more])
-            rough = self._rough.conductivity_table(_LOWEST * sealing, self._rough.sealing_pressure)
-            u = u ** (1.0 - share) * np.asarray(rough.effective_separation(pressure)) ** share
+            u = u ** (1.0 - share) * np.asarray(self._rough_table.effective_separation(pressure)) ** share
         # before the first touch all gaps open as the law of the interface says, and then go on with ln p
         before = pressure[0] * np.exp(-np.arange(_BEFORE_TOUCH, 0, -1))
         wider = np.asarray(self.mean_separation(before)) - flowing[0].mean_gap
@@ -616,7 +734,12 @@ class TurnedContact:
             ]
         )
         pressure, u = np.concatenate([before, pressure]), np.concatenate([u[0] * opened, u])
-        return ConductivityTable(pressure, u, sealing, sealing)
+        return ConductivityTable(pressure, u, sealing, sealing, memory=self)
+
+    @cached_property
+    def _rough_table(self) -> ConductivityTable:
+        """Of the fine roughness alone."""
+        return self._rough.conductivity_table(_LOWEST * self.sealing_pressure, self._rough.sealing_pressure)
 
     @cached_property
     def _gas_table(self) -> GasConductivityTable:
@@ -676,7 +799,9 @@ class TurnedContact:
         rough = self._rough.sealing_pressure
         return min(crests ** (1.0 - share) * rough**share, rough) if share > 0.0 else crests
 
-    def effective_separation(self, pressure: ArrayLike, method: str = "bruggeman") -> FloatArray | float:
+    def effective_separation(
+        self, pressure: ArrayLike, method: str = "bruggeman", *, largest: ArrayLike | None = None
+    ) -> FloatArray | float:
         """u_eff = (12 eta sigma)^(1/3) across the crests [m], see `conductivity_table`.
 
         Parameters
@@ -684,12 +809,21 @@ class TurnedContact:
         pressure : array_like
             Nominal [Pa].
         method : {"bruggeman"}
+        largest : array_like, optional
+            Largest nominal pressure that the place has carried, counting where it exceeds `pressure`; broadcast
+            against it [Pa]. What yielded then does not come back: the gaps are those of first loading at
+            `equivalent_first_loading_pressure`.
         """
         self._check_table(1.0, 2.0, method)
-        return self._table.effective_separation(_checked(pressure))
+        return self._table.effective_separation(self._acts(pressure, largest))
 
     def flow_conductivity(
-        self, pressure: ArrayLike, viscosity: float, method: str = "bruggeman"
+        self,
+        pressure: ArrayLike,
+        viscosity: float,
+        method: str = "bruggeman",
+        *,
+        largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """Across the crests, without the thread [m^3/(Pa s)], by `conductivity_table`.
 
@@ -703,11 +837,15 @@ class TurnedContact:
         viscosity : float
             [Pa s]
         method : {"bruggeman"}
+        largest : array_like, optional
+            See `effective_separation`.
         """
         self._check_table(1.0, 2.0, method)
-        return self._table.conductivity(_checked(pressure), viscosity)
+        return self._table.conductivity(self._acts(pressure, largest), viscosity)
 
-    def flow_error(self, pressure: ArrayLike, *, waves: float = math.inf) -> FlowError:
+    def flow_error(
+        self, pressure: ArrayLike, *, waves: float = math.inf, largest: ArrayLike | None = None
+    ) -> FlowError:
         """How far the flow conductivity may be from direct simulation; wide where the face is nearly sealed.
 
         Simulated cells of two short crests in series let less through than a long seal; of their mean deviation
@@ -720,6 +858,9 @@ class TurnedContact:
         waves : float
             Median wave lengths of the fine roughness squared that the sealing area holds; without end, the error of
             the theory alone [-].
+        largest : array_like, optional
+            Largest nominal pressure that the place has carried [Pa]. What opens again are the places that were the
+            last to close: the error is that of first loading with the mean of both logarithms of the conductivity.
 
         References
         ----------
@@ -728,13 +869,17 @@ class TurnedContact:
         if not waves > 0.0:
             raise ConductivityError(f"waves = {waves}: must be positive [-]")
         share = self._lost_share
-        of_rough = self._rough.flow_error(pressure, waves=waves) if share > 0.0 else None
+        p = self._acts(pressure, largest)
+        of_rough = self._rough.flow_error(p, waves=waves) if share > 0.0 else None
         if of_rough is not None and share == 1.0:
             return of_rough
-        u = np.asarray(self._table.effective_separation(_checked(pressure)))
+        most = p if largest is None else np.maximum(p, _checked(largest))
         with np.errstate(divide="ignore"):
-            fallen = np.minimum(3.0 * np.log10(self._table.separation[0] / u), _FALLEN[-1])
-        fallen = np.maximum(fallen, 0.0)
+            decades = [
+                3.0 * np.log10(self._table.separation[0] / self._table.effective_separation(x))
+                for x in (p, most)
+            ]
+        fallen = np.clip(0.5 * (decades[0] + decades[1]), 0.0, _FALLEN[-1])
         theory = np.interp(fallen, _FALLEN, _SPREAD) ** 2
         length = 2.0 * math.pi / self.fine.median_wavenumber
         sample = (
@@ -747,7 +892,7 @@ class TurnedContact:
             parts = {name: (1.0 - share) * part for name, part in parts.items()}
             parts["fine roughness"] = share * of_rough.spread**2
         # of the thread nothing is left open
-        of_crests = 1.0 - self.thread_share(pressure)
+        of_crests = 1.0 - self.thread_share(p)
         parts = {name: of_crests**2 * part for name, part in parts.items()}
         return FlowError(of_crests * bias, np.sqrt(sum(parts.values())), parts)
 

@@ -183,6 +183,10 @@ class CrestLines:
             give[one, one, 1:] += 2.0 * (x * iti0k0(x)[1] - 1.0 + x * k1(x)) / x**2
         return np.asarray(2.0 * self.contact_pressure / (math.pi * self.effective_modulus) * give)
 
+    def give_under(self, width: FloatArray) -> FloatArray:
+        """`_give` under contacts of these widths, shape (crests, places)."""
+        return self._give(self._half_width(width))
+
     @property
     def _period(self) -> float:
         """After which the row repeats [m]."""
@@ -226,7 +230,7 @@ class CrestLines:
         wide = 0
         for _ in range(_MOST_STEPS):
             give = self._give(half_width)
-            sinking = _along(give, width)
+            sinking = sinking_along(give, width)
             edge, fall, section = self._at_width(width)
             apart = level + sinking - edge
             active = (width > 0.0) | (apart < 0.0)
@@ -236,11 +240,11 @@ class CrestLines:
                 break
             if is_solved:
                 continue
-            change = _conjugate_gradients(give, fall, active, -apart)
+            change = conjugate_gradients(give, fall, active, -apart)
             energy, share = _energy(level, width, sinking, section), 1.0
             while share > _LEAST_SHARE:
                 trial = np.clip(width + share * change, 0.0, self.most_width)
-                if _energy(level, trial, _along(give, trial), self._at_width(trial)[2]) <= energy:
+                if _energy(level, trial, sinking_along(give, trial), self._at_width(trial)[2]) <= energy:
                     break
                 share *= 0.5
             width, wide = trial, wide + int(trial.max() >= self.most_width)
@@ -268,7 +272,7 @@ def of_each(values: FloatArray, crests: int) -> FloatArray:
     return values.reshape(-1, crests, values.shape[1]).swapaxes(0, 1).reshape(crests, -1)
 
 
-def _along(give: FloatArray, width: FloatArray) -> FloatArray:
+def sinking_along(give: FloatArray, width: FloatArray) -> FloatArray:
     """Sinking of each place under the load of all [m]."""
     waves = np.fft.rfft(width, axis=1)
     if give.shape[0] == 1:
@@ -282,7 +286,7 @@ def _energy(level: float, width: FloatArray, sinking: FloatArray, section: Float
     return float((0.5 * width * sinking + level * width - section).sum())
 
 
-def _conjugate_gradients(
+def conjugate_gradients(
     give: FloatArray, fall: FloatArray, active: BoolArray, distance: FloatArray
 ) -> FloatArray:
     """Change of the widths that closes a distance where the contact is active [m]."""
@@ -294,7 +298,7 @@ def _conjugate_gradients(
     for _ in range(_MOST_GRADIENTS):
         if product <= _RESIDUAL * first:
             break
-        image = np.where(active, _along(give, direction) + fall * direction, 0.0)
+        image = np.where(active, sinking_along(give, direction) + fall * direction, 0.0)
         step = product / float((direction * image).sum())
         change, rest = change + step * direction, rest - step * image
         scaled = scale * rest

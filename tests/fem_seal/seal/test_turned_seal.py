@@ -14,9 +14,10 @@ from places import EXAMPLES
 import fem_seal
 import leak
 from fem_seal.output.columns import COLUMNS, columns_of
+from fem_seal.output.sources import sources
 from fem_seal.seal.findings import Level
 from fem_seal.seal.problem import rough_contact
-from fem_seal.validity.turned import crest_places
+from fem_seal.validity.turned import acting_pressure, crest_places
 
 FINE = {"rms_height": "0.1 um", "hurst": 0.8, "q_rolloff": "2.5e5 1/m", "q_high": "4e6 1/m"}
 TURNED = {"process": "turned", "feed": "0.1 mm", "nose_radius": "0.8 mm", "fine": FINE}
@@ -154,3 +155,55 @@ def test_nearly_sealed_crests_have_a_lower_and_an_upper_end():
     assert 0.0 < surface.nearly_sealed_pressure < surface.sealing_pressure
     sigma = surface.flow_conductivity(surface.nearly_sealed_pressure, 1.0)
     assert sigma < 1e-2 * surface.flow_conductivity(5e-3 * surface.contact_pressure, 1.0)
+
+
+@cache
+def unloaded() -> fem_seal.SealResult:
+    """The same seat, once closed three times as hard."""
+    force = 3.0 * solved().loads[0].contact_force
+    case = solved().case.replace({"load.largest_earlier_force": f"{force:.6g} N"})
+    return fem_seal.run(case, sensitivities=False)
+
+
+def test_leaks_less_after_a_larger_load_by_its_flats():
+    (first,), (load,) = solved().loads, unloaded().loads
+    surface, (profile,) = unloaded().surface, load.profiles
+    assert isinstance(surface, leak.TurnedContact) and load.leak is not None and first.leak is not None
+    assert load.remembers and profile.largest is not None
+    assert load.leak.leak_rate < 0.8 * first.leak.leak_rate
+    fresh = load.scenarios["first loading"]
+    assert fresh.leak is not None
+    assert fresh.leak.leak_rate == pytest.approx(first.leak.leak_rate, rel=0.01)
+    # resistances f/sigma(p, p_max) over the circle of each crest, as many as lie in the contact
+    x = np.linspace(profile.x[0], profile.x[-1], 4001)
+    p, most, radius = (
+        np.interp(x, profile.x, of) for of in (profile.pressure, profile.largest, profile.radius)
+    )
+    sigma = np.asarray(surface.flow_conductivity(np.maximum(p, 1.0), 1.0016e-3, largest=most))
+    resistance = np.trapezoid(1.0 / (2.0 * math.pi * radius * sigma), x)
+    assert load.leak.leak_rate == pytest.approx(load.fluid_pressure / resistance, rel=0.03)
+
+
+def test_error_cautions_and_sources_know_the_earlier_load():
+    (first,), (load,) = solved().loads, unloaded().loads
+    surface = unloaded().surface
+    assert isinstance(surface, leak.TurnedContact)
+    assert load.flow_error is not None and first.flow_error is not None
+    assert float(load.flow_error.spread) >= float(first.flow_error.spread)
+    acts = acting_pressure(surface, load)
+    assert load.peak_pressure < acts < load.tightest.highest
+    nearly = [finding.entry for finding in load.validity.cautions].count("crests_nearly_sealed")
+    assert nearly == (acts > surface.nearly_sealed_pressure)
+    used = {source.name: source.used_for for source in sources(unloaded())}
+    assert "flats that a larger load before" in used["turned faces"] and "load memory" not in used
+
+
+def test_an_earlier_fluid_pressure_is_remembered_as_well():
+    load = {"fluid_pressure": ["5 bar", "20 bar"], "largest_earlier_pressure": "20 bar"}
+    case = solved().case.replace({"load": load})
+    low, high = fem_seal.run(case, sensitivities=False).loads
+    for one in (low, high):
+        assert one.leak is not None and one.scenarios["first loading"].leak is not None
+    assert low.leak.leak_rate < 0.9 * low.scenarios["first loading"].leak.leak_rate  # type: ignore[union-attr]
+    fresh = high.scenarios["first loading"].leak
+    assert high.leak.leak_rate == pytest.approx(fresh.leak_rate, rel=1e-9)  # type: ignore[union-attr]
