@@ -859,8 +859,8 @@ class TurnedContact:
             Median wave lengths of the fine roughness squared that the sealing area holds; without end, the error of
             the theory alone [-].
         largest : array_like, optional
-            Largest nominal pressure that the place has carried [Pa]. What opens again are the places that were the
-            last to close: the error is that of first loading with the mean of both logarithms of the conductivity.
+            Largest nominal pressure that the place has carried [Pa]. What opens again depends on what was pressed flat
+            then: as far as crests yield the spread is that of first loading under this pressure.
 
         References
         ----------
@@ -875,11 +875,11 @@ class TurnedContact:
             return of_rough
         most = p if largest is None else np.maximum(p, _checked(largest))
         with np.errstate(divide="ignore"):
-            decades = [
-                3.0 * np.log10(self._table.separation[0] / self._table.effective_separation(x))
-                for x in (p, most)
-            ]
-        fallen = np.clip(0.5 * (decades[0] + decades[1]), 0.0, _FALLEN[-1])
+            now, then = (
+                np.clip(3.0 * np.log10(self._table.separation[0] / u), 0.0, _FALLEN[-1])
+                for u in map(self._table.effective_separation, (p, most))
+            )
+        fallen = now + self._yielded_share * (then - now)
         theory = np.interp(fallen, _FALLEN, _SPREAD) ** 2
         length = 2.0 * math.pi / self.fine.median_wavenumber
         sample = (
