@@ -755,7 +755,7 @@ class DirectTable:
             theory = _with_pressures(theory, [row.pressure for row in self.loading])
         elif theory.liquid.memory is not None:
             # what has yielded is decided by short waves, too
-            memory = LoadMemory(self.simulation.surface)  # type: ignore[arg-type]
+            memory = LoadMemory(self.simulation.surface)
             theory = theory.with_liquid(replace(theory.liquid, memory=memory))
         return self.corrected(theory, surface, 1.0, end)
 
