@@ -54,8 +54,9 @@ _CLOSED = 0.02
 _LOST = (0.13, 0.39)
 # Of the range of its table where the face is its fine roughness, the lowest pressure over the sealing pressure.
 _LOWEST = 1e-8
-# Pressures of a table below the first touch, beyond the sealing of crests that are half lost, where no levels serve.
-_BEFORE_TOUCH, _BEYOND, _NOMINAL = 3, 8, 200
+# Pressures of a table below the first touch, for each of the levels, and beyond the sealing of crests up to a share of
+# the contact pressure.
+_BEFORE_TOUCH, _BETWEEN, _BEYOND, _NOMINAL, _NEARLY_FLAT = 3, 4, 8, 200, 0.9
 # Share of the nominal area that touches where direct simulations begin, and what is left of the conductivity there in a
 # face that is nearly sealed.
 _BEARS, _NEARLY = 5e-3, 3e-3
@@ -632,12 +633,14 @@ class TurnedContact:
         if not self._has_thread:
             return crests
         sealing = crests.liquid.sealing_pressure
-        # where the roughness takes part the table is steep, or asked at other pressures than the nominal ones
-        crossover = np.geomspace(_LOWEST * sealing, sealing, _NOMINAL)
-        known = crossover if self._lost_share > 0.0 else crests.liquid.pressure
+        # between levels as well: near sealing the crests' own table knows where it ends, which that of both does not
+        levels = crests.liquid.pressure
+        places = np.linspace(0.0, levels.size - 1.0, _BETWEEN * (levels.size - 1) + 1)
+        known = np.exp(np.interp(places, np.arange(levels.size), np.log(levels)))
         own_u = crests.liquid.at_log_pressure(np.log(known))
         known, own_u = known[own_u > 0.0], own_u[own_u > 0.0]
-        beyond = np.array([state.pressure for state in self._path if state.pressure > known[-1]])
+        beyond = np.geomspace(sealing, _NEARLY_FLAT * self.contact_pressure, _BEYOND)
+        beyond = beyond[beyond > 1.001 * known[-1]]
         pressure = np.concatenate([known, beyond])
         across = np.concatenate([own_u**3, np.zeros(beyond.size)])
         valleys = self.valley_gaps(pressure)

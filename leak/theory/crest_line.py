@@ -14,6 +14,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leak.arrays import BoolArray, FloatArray, IntArray
 from leak.errors import SurfaceError
@@ -104,29 +105,29 @@ class CrestLines:
         return (self.heights.shape[2] - 2) * self.spacing
 
     @cached_property
-    def _edges(self) -> FloatArray:
+    def _edges(self) -> NDArray[np.float32]:
         """Heights at the edges of contacts that are 0, 1, 2 ... spacings wide, above the mean sinking of each.
 
         A band that carries p sinks by p times its width over pi E* less at its edge than on average. Where the face is
         so flat that this is nearly all of its fall, the contact is elastic and widens gradually.
         """
         # so many points stand above their heights, half a spacing to each side of them
-        points = -np.sort(-self.heights, axis=2)
+        points = -np.sort(-np.ascontiguousarray(self.heights, dtype=np.float32), axis=2)
         heights = np.concatenate([points[:, :, :1], 0.5 * (points[:, :, :-1] + points[:, :, 1:])], axis=2)
         heights[:, :, 1] = (points[:, :, 0] + 2.0 * points[:, :, 1]) / 3.0
-        less = self.contact_pressure * self.spacing / (math.pi * self.effective_modulus)
-        fall = -np.diff(heights, axis=2)
-        fall = np.maximum(fall - less, _LEAST_FALL * fall)
-        edges = [heights[:, :, :1], heights[:, :, :1] - np.cumsum(fall, axis=2)]
-        return np.ascontiguousarray(np.concatenate(edges, axis=2))
+        less = np.float32(self.contact_pressure * self.spacing / (math.pi * self.effective_modulus))
+        fall = heights[:, :, :-1] - heights[:, :, 1:]
+        np.maximum(fall - less, _LEAST_FALL * fall, out=fall)
+        heights[:, :, 1:] = heights[:, :, :1] - np.cumsum(fall, axis=2)
+        return heights
 
     @cached_property
-    def _sections(self) -> FloatArray:
+    def _sections(self) -> NDArray[np.float32]:
         """Integral of the edges' heights over the width [m^2]."""
         edges = self._edges
-        pieces = 0.5 * self.spacing * (edges[:, :, 1:] + edges[:, :, :-1])
-        sums = [np.zeros((*edges.shape[:2], 1)), np.cumsum(pieces, axis=2)]
-        return np.ascontiguousarray(np.concatenate(sums, axis=2))
+        sections = np.zeros_like(edges)
+        np.cumsum(edges[:, :, 1:] + edges[:, :, :-1], axis=2, out=sections[:, :, 1:])
+        return 0.5 * self.spacing * sections
 
     def _at_width(self, width: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Height of the edges [m], its fall over the width [-], and its integral [m^2]."""
@@ -226,12 +227,12 @@ class CrestLines:
             A contact is as wide as what is known of the crest, or no solution was found.
         """
         width = 0.5 * self.spacing * (self._edges > level).sum(axis=2) if start is None else start
-        half_width = self._half_width(width)
+        half_width, at_width = self._half_width(width), self._at_width(width)
         wide = 0
         for _ in range(_MOST_STEPS):
             give = self._give(half_width)
             sinking = sinking_along(give, width)
-            edge, fall, section = self._at_width(width)
+            edge, fall, section = at_width
             apart = level + sinking - edge
             active = (width > 0.0) | (apart < 0.0)
             last, half_width = half_width, self._half_width(width)
@@ -244,7 +245,8 @@ class CrestLines:
             energy, share = _energy(level, width, sinking, section), 1.0
             while share > _LEAST_SHARE:
                 trial = np.clip(width + share * change, 0.0, self.most_width)
-                if _energy(level, trial, sinking_along(give, trial), self._at_width(trial)[2]) <= energy:
+                at_width = self._at_width(trial)
+                if _energy(level, trial, sinking_along(give, trial), at_width[2]) <= energy:
                     break
                 share *= 0.5
             width, wide = trial, wide + int(trial.max() >= self.most_width)
