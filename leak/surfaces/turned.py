@@ -251,11 +251,11 @@ class TurnedTexture:
             Of the face that is cut off, from the highest crest on [-].
         """
         if self.other is not None:
-            depth = np.sort(self.depths)
-            below = np.append(np.cumsum(depth[::-1])[::-1], 0.0) / depth.size
-            at = np.linspace(0.0, 1.0, depth.size + 1)
-            level = np.interp(share, at, np.append(depth, depth[-1]))
-            return np.interp(share, at, below) - level * (1.0 - share)
+            depth = np.append(0.0, np.sort(self.depths))
+            places = np.append(0.0, (np.arange(depth.size - 1) + 0.5) / (depth.size - 1))
+            edges = np.linspace(0.0, 1.0, depth.size)
+            lower = (depth.sum() - np.cumsum(depth)) / (depth.size - 1)
+            return np.interp(share, edges, lower) - np.interp(share, places, depth) * (1.0 - share)
         half, r = 0.5 * self.feed * share, self.nose_radius
         below = 0.5 * self.side_slope * half**2 - half**3 / (6.0 * r)
         rest = self.crest_height * self.feed / 3.0 - below - self.depth_at(half) * (0.5 * self.feed - half)

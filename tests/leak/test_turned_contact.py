@@ -559,6 +559,33 @@ def pair(phase: float = 0.5, feed: float = 1e-4, nose_radius: float = 8e-4, **ch
     return turned(other=leak.Cusps(feed, nose_radius), phase=phase, **changes)
 
 
+def test_maps_of_two_faces_add_their_depths():
+    """Equal ones half a feed apart are one of half the feed; of 4 to 3 the cusps of both, a quarter of a feed apart."""
+    both = leak.TurnedTexture(1e-4, 8e-4, fine(), leak.Cusps(1e-4, 8e-4), 0.5)
+    one = leak.TurnedTexture(5e-5, 4e-4, fine())
+    heights = [face.heights(points=64, crests=crests, seed=1) for face, crests in ((both, 1), (one, 2))]
+    assert heights[0] == pytest.approx(heights[1], abs=1e-15)
+    share = np.linspace(0.0, 0.95, 20)
+    assert both.gap_at(share) == pytest.approx(one.gap_at(share), rel=1e-2, abs=1e-10)
+    assert both.gap_at(share)[0] == pytest.approx(both.mean_depth, rel=1e-4)
+    unlike = leak.TurnedTexture(1e-4, 8e-4, fine(1e-12), leak.Cusps(7.5e-5, 8e-4), 0.4)
+    x = np.arange(64) * 3e-4 / 64
+    places = x[:, None] - 1e-4 * np.arange(4), x[:, None] - 1e-5 - 7.5e-5 * np.arange(-1, 5)
+    combs = leak.Cusps(1e-4, 8e-4), leak.Cusps(7.5e-5, 8e-4)
+    depth = sum(cusps.depth_at(np.abs(place).min(axis=1)) for cusps, place in zip(combs, places, strict=True))
+    height = unlike.heights(points=64, crests=1, seed=1)[:, 0]
+    assert unlike.period == pytest.approx(3e-4)
+    assert height - height[0] == pytest.approx(depth[0] - depth, abs=1e-10)
+
+
+@pytest.mark.parametrize(("feed", "feeds"), [(1.04e-4, 1), (2e-4, 2), (1.5e-5, 2), (6.1e-5, 3)])
+def test_two_feeds_repeat_after_whole_numbers_of_both(feed, feeds):
+    """Feeds that differ by a few per cent count as equal: over a contact they do not shift by a feed."""
+    pairs = leak.TurnedTexture(1e-4, 8e-4, fine(), leak.Cusps(feed, 8e-4))
+    higher = max(feed, 1e-4)
+    assert pairs.period == pytest.approx(higher * (feeds if feed < 1e-4 else 1))
+
+
 def test_equal_faces_half_a_feed_apart_are_one_of_half_the_feed():
     """Parabolas add: crests of the same slope, half a feed apart, a quarter as high over twice the curvature."""
     both, p = pair(), np.array([5e6, 20e6, 50e6])
@@ -568,6 +595,8 @@ def test_equal_faces_half_a_feed_apart_are_one_of_half_the_feed():
     assert both.contact_pressure == pytest.approx(one.contact_pressure)
     assert both.mean_separation(p) == pytest.approx(one.mean_separation(p), rel=5e-3)
     assert both.flow_conductivity(p, 1e-3) == pytest.approx(one.flow_conductivity(p, 1e-3), rel=0.05)
+    coined = [face.equivalent_first_loading_pressure(5e6, 50e6) for face in (both, one)]
+    assert coined[0] == pytest.approx(coined[1], rel=0.05) and coined[0] > 7e6
     thread = one.spiral_conductivity(p, 1e-3, 0.02) * 4.0
     assert both.spiral_conductivity(p, 1e-3, 0.02) == pytest.approx(thread, rel=1e-2)
 
