@@ -560,7 +560,7 @@ def direct_seal(
         if table is None:
             message = "is missing, and a simulated seal has both roughness and fluid; add the table"
             raise InputError.at(key, message, file=case.file)
-    if case.roughness is not None and case.roughness.turned_face is not None:
+    if case.roughness is not None and case.roughness.is_turned:
         raise InputError(problem("strips_turned"), file=case.file)
     options = direct_settings(case)
     if options.map is not None:

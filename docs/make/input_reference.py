@@ -464,6 +464,8 @@ def _test_in_words(test: ClosureTest) -> str:
 
 def finishes_reference() -> str:
     """Markdown page with the library of processes and where its numbers come from."""
+    turned = PROCESSES["turned"]
+    assert turned.nose_radius is not None and turned.fine_height is not None
     return "\n".join(
         [
             "# Processes\n",
@@ -480,7 +482,12 @@ def finishes_reference() -> str:
                 f"{', '.join(p.sources)} |"
                 for p in PROCESSES.values()
             ),
-            f"\nThe shortest wave is {_spread(SHORTEST_WAVE, 1e6)} um for all of them (estimate).\n",
+            f"\nThe shortest wave is {_spread(SHORTEST_WAVE, 1e6)} um (estimate), of turned faces "
+            f"{_spread(turned.shortest, 1e6)} um.\n",
+            "Turned faces are rows of crests ({doc}`/theory/turned`): the nose radius of the tool is "
+            f"{_spread(turned.nose_radius, 1e3)} mm, and the rms height of the fine roughness on the crests, as "
+            f"measured, {_spread(turned.fine_height)} times their height. Hurst exponent and roll-off are those of "
+            "the fine roughness.\n",
             "| source | what it says |",
             "|---|---|",
             *(f"| {name} | {text} |" for name, text in SOURCES.items()),

@@ -61,6 +61,7 @@ _PREDICTION_DRAWS = 4096
 _UNITS = {
     **dict.fromkeys(HEIGHTS, "m"),
     **{"q_rolloff": "1/m", "q_high": "1/m", "hurst": "-", "lay": "-", "rms_height": "factor"},
+    **{"nose_radius": "m", "fine_height": "-", "phase": "-"},
 }
 _SHARES = (0.05, 0.5, 0.95)
 # What a reading below the instrument's limit and a sealed draw count as.

@@ -122,7 +122,12 @@ def measured_profiles(case: Case) -> MeasuredProfiles | None:
     case : Case
     """
     faces = {} if case.roughness is None else case.roughness.finishes
-    if case.roughness is None or not faces or len(faces) < len(case.roughness.parts):
+    if (
+        case.roughness is None
+        or not faces
+        or len(faces) < len(case.roughness.parts)
+        or case.roughness.is_turned
+    ):
         return None
     scans = line_scans(case.roughness)
     places = (np.arange(_PLACES) + 0.5) / _PLACES

@@ -18,6 +18,7 @@ from fem_seal.answers.response_surface import variables
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.roughness import (
     SHAPE,
+    JoinedFaces,
     SelfAffine,
     UncertainFinish,
     UncertainHeight,
@@ -51,6 +52,8 @@ KnownRates: TypeAlias = dict[tuple[int, int, bool], FloatArray | ConvergenceErro
 _AT_ONCE = 8
 # Samples whose heights say how rough the roughest are.
 _OF_HEIGHTS = 64
+# Places along the crests of a turned face in a sample.
+_PLACES = 512
 # Share of the samples that must converge where some may fail.
 _FEWEST_CONVERGED = 0.7
 
@@ -181,11 +184,12 @@ def changed_surface(
     key = self_affine_part(case.roughness)
     if shape and key is not None:
         means[key] = _reshape(case, key, factors)
-    spectrum, peklenik = surface.spectrum, surface.peklenik
+    assert case.roughness is not None
+    joined = JoinedFaces(surface.spectrum, surface.peklenik)
     if means or shares or shape:
-        assert case.roughness is not None
-        spectrum, peklenik = case.roughness.combine(means, shares, shape)
-    spectrum = spectrum.scaled(factors["rms_height"]) if "rms_height" in factors else spectrum
+        joined = case.roughness.combine(means, shares, shape)
+    height = factors.get("rms_height", 1.0)
+    spectrum = joined.spectrum if height == 1.0 else joined.spectrum.scaled(height)
     hardness = surface.hardness
     surface = replace(
         surface,
@@ -193,9 +197,10 @@ def changed_surface(
         hardness=None if hardness is None else hardness * factors.get("hardness", 1.0),
     )
     if isinstance(surface, TurnedContact):
-        cusps = next((mean for mean in means.values() if isinstance(mean, TurnedTexture)), surface.texture)
-        return replace(surface, feed=cusps.feed, nose_radius=cusps.nose_radius, fine=spectrum)
-    return replace(surface, spectrum=spectrum, peklenik=peklenik)
+        surface = replace(surface, **joined.of_crests, fine=spectrum)
+        # of a drawing the cusps are higher, too
+        return surface.steeper(height) if case.roughness.finishes else surface
+    return replace(surface, spectrum=spectrum, peklenik=joined.peklenik)
 
 
 def _reshape(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
@@ -247,7 +252,10 @@ def sample_problem(
             mean = means[key] if key in means else case.roughness.parts[key].build()
             fine = uncertain.spectrum(fine_of(mean), float(value[0]))
             means[key] = replace(mean, fine=fine) if isinstance(mean, TurnedTexture) else fine
-    return changed_problem(problem, case, factors, means, shares)
+    changed = changed_problem(problem, case, factors, means, shares)
+    if isinstance(changed.surface, TurnedContact):
+        return replace(changed, surface=replace(changed.surface, places=_PLACES))
+    return changed
 
 
 def changed_problem(
@@ -348,9 +356,9 @@ class Samples:
 
     @property
     def of_finish(self) -> bool:
-        """Whether a face has a finish, a factor of ten or more."""
+        """Whether a face has a finish, or crests lie on crests, a factor of ten or more."""
         roughness = [part.case.roughness for part in self.seal.parts]
-        return any(each is not None and each.finishes for each in roughness)
+        return any(each is not None and each.leaves_open for each in roughness)
 
     @cached_property
     def of_case(self) -> FloatArray:

@@ -307,8 +307,7 @@ _OF_PATCHES = ("size", "waves", "points_per_wave", "amplitudes", "direction", "f
 
 def _turned(case: CaseTables) -> Iterator[Problem]:
     """What is not known of a turned face."""
-    face = None if case.roughness is None else case.roughness.turned_face
-    if face is None:
+    if case.roughness is None or not case.roughness.is_turned:
         return
     particles = case.fluid is not None and case.fluid.particles is not None
     options = {
@@ -317,7 +316,7 @@ def _turned(case: CaseTables) -> Iterator[Problem]:
         "fluid.particles": particles,
         "form.lay": case.form is not None and case.form.lay is not None,
     }
-    measured = isinstance(face, MeasuredSpectrum)
+    measured = any(isinstance(face, MeasuredSpectrum) for face in case.roughness.turned_faces.values())
     for option, is_used in options.items():
         if is_used:
             yield problem("with_turned_face", option=option, measured=measured)
@@ -558,7 +557,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         and table.spectrum is None
         and table.posterior is None
         and not any(uncertain_heights(case.roughness, between_scans=False))
-        and not (case.roughness is not None and case.roughness.finishes)
+        and not (case.roughness is not None and case.roughness.leaves_open)
     ):
         yield problem("no_uncertain_input")
     if table.hardness is not None and not case.leak.plasticity:

@@ -11,13 +11,13 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache, reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from fem_seal.case.fields import Entry, Number, OneOrRange, Quantity, Table, show
-from fem_seal.case.messages import problems
+from fem_seal.case.messages import missing_key, problems
 from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import (
     MOST_BYTES_OF_SCAN,
@@ -33,6 +33,7 @@ from leak.numerics.roots import root_between
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from leak import (
+        Cusps,
         Finish,
         FinishedSurface,
         MeasuredSurface,
@@ -57,6 +58,9 @@ if TYPE_CHECKING:
     ProcessName = str
 else:
     ProcessName = Literal[tuple(files.own_tables("leak.surfaces", "processes.toml")["processes"])]
+# Keys of a finish that a turned face does not have, and that it alone has.
+_OF_GAUSSIAN = ("lay", "lay_aspect", "peklenik", "q_low")
+_OF_TURNED = ("nose_radius", "spiral")
 _LONGEST = 100
 _FINISH_TEXT = re.compile(
     r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"
@@ -124,6 +128,8 @@ class FinishKeys(Table):
     q_low: Wavenumber | None = None
     q_rolloff: Wavenumber | None = None
     q_high: Wavenumber | None = None
+    nose_radius: Annotated[float, Quantity("length", "5 um", "50 mm")] | None = None
+    spiral: bool | None = None
 
     @property
     def height(self) -> str | None:
@@ -135,6 +141,11 @@ class FinishKeys(Table):
         heights = [key for key in HEIGHTS if getattr(self, key) is not None]
         if len(heights) > 1:
             raise ValueError(f"has {' and '.join(heights)}; a finish has one of them")
+        other = _OF_GAUSSIAN if self.process == "turned" else _OF_TURNED
+        for key in other:
+            if key in self.model_fields_set and getattr(self, key) is not None:
+                name = "not_of_turned" if self.process == "turned" else "of_turned"
+                raise ValueError(problem(name, key=key, process=self.process or "unspecified"))
         _surface(self.finish, (), ())
 
     @property
@@ -164,6 +175,7 @@ class FinishKeys(Table):
             self.lay_aspect,
             self.lay,
             high / value,
+            self.nose_radius,
         )
 
     @property
@@ -471,6 +483,19 @@ class FineRoughness(Table):
 _OF_RANDOM = ("hurst", "q_low", "q_rolloff", "q_high", "lay", "lay_aspect", "peklenik", *HEIGHTS)
 
 
+def _with_fine(entries: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A turned face whose fine roughness is a table: a finish in words becomes one."""
+    fine = entries.get("fine")
+    if isinstance(fine, str):
+        try:
+            return {**entries, "fine": read_finish(fine)}
+        except ValueError as error:
+            raise ValueError(f"fine, {show(fine)}, {error}") from None
+    if isinstance(fine, Mapping) and is_finish(fine):
+        return {**entries, "fine": {**fine, "kind": "finish"}}
+    return entries
+
+
 class TurnedFace(Table):
     """process = "turned" with feed: grooves of the tool side by side, and fine roughness on the crests between them."""
 
@@ -488,20 +513,18 @@ class TurnedFace(Table):
             return entries
         if of_random := [key for key in _OF_RANDOM if key in entries]:
             raise ValueError(problem("random_and_feed", key=of_random[0]))
-        fine = entries.get("fine")
-        if isinstance(fine, str):
-            try:
-                return {**entries, "fine": read_finish(fine)}
-            except ValueError as error:
-                raise ValueError(f"fine, {show(fine)}, {error}") from None
-        if isinstance(fine, Mapping) and is_finish(fine):
-            return {**entries, "fine": {**fine, "kind": "finish"}}
-        return entries
+        return _with_fine(entries)
 
     @model_validator(mode="after")
     def _sensible(self) -> TurnedFace:
-        self.texture()
+        self.check_texture()
         return self
+
+    def check_texture(self) -> None:
+        """ValueError if the keys do not make a turned face."""
+        if isinstance(self.fine, FinishTable) and self.fine.process == "turned":
+            raise ValueError(problem("fine_turned"))
+        self.texture()
 
     def build(self) -> PowerSpectrum:
         """The spectrum of the fine roughness as `leak` takes it."""
@@ -532,13 +555,36 @@ Spectrum = Annotated[AnySpectrum, Field(discriminator="kind")]
 PARTS = ("spectrum", "seat", "closure", "gasket", "along", "across")
 
 
+class JoinedFaces(NamedTuple):
+    """What both faces make together: a spectrum with its Tripp number, and the cusps of each turned face.
+
+    Of turned faces the spectrum is that of the fine roughness on the crests of both.
+    """
+
+    spectrum: PowerSpectrum
+    peklenik: float
+    crests: tuple[Cusps, ...] = ()
+    phase: float = 0.5
+
+    @property
+    def of_crests(self) -> dict[str, Any]:
+        """Keywords of a `TurnedContact` beside its fine roughness; empty without a turned face."""
+        if not self.crests:
+            return {}
+        first, other = self.crests[0], self.crests[1] if len(self.crests) > 1 else None
+        return {**first._asdict(), "other": other, "phase": self.phase}
+
+
 class Roughness(FinishKeys):
     """[roughness]: of both surfaces together, or of each; their spectra add.
 
-    Ra, Rq or Rz with a process in the table itself is the finish of each of both faces, as a drawing means it.
+    Ra, Rq or Rz with a process in the table itself is the finish of each of both faces, as a drawing means it, and a
+    feed that of both tools.
     """
 
-    kind: Literal["finish"] | None = None
+    kind: Literal["finish", "turned"] | None = None
+    feed: Annotated[float, Quantity("length", "1 um", "5 mm")] | None = None
+    fine: Annotated[FineRoughness | FinishTable | None, Field(union_mode="left_to_right")] = None
     spectrum: Spectrum | None = None
     seat: Spectrum | None = None
     closure: Spectrum | None = None
@@ -556,6 +602,11 @@ class Roughness(FinishKeys):
     @model_validator(mode="after")
     def _one_way(self) -> Roughness:
         spectra = [key for key in PARTS if getattr(self, key) is not None]
+        if self.feed is not None:
+            if spectra:
+                raise ValueError(problem("finish_and_spectrum", height="feed", others=" and ".join(spectra)))
+            self._check_faces()
+            return self
         if self.height is not None:
             if spectra:
                 raise ValueError(
@@ -572,17 +623,24 @@ class Roughness(FinishKeys):
             self._two_directions(spectra)
         elif ("spectrum" in spectra) == any(key in spectra for key in ("seat", "closure", "gasket")):
             raise ValueError(problem("spectrum_twice" if spectra else "spectrum_missing"))
-        turned_parts = self.turned_faces
-        if len(turned_parts) > 1:
-            raise ValueError(problem("two_turned_faces"))
-        for key, part in turned_parts.items():
-            given = isinstance(part, TurnedFace)
-            if given and key not in ("seat", "closure", "gasket"):
-                raise ValueError(problem("turned_directions", key=key))
-            if self.peklenik != 1.0:
-                name = "random_and_feed" if given else "peklenik_of_turned"
-                raise ValueError(problem(name, key="peklenik"))
+        if self.is_turned and "peklenik" in self.model_fields_set:
+            by_scans = not any(isinstance(part, TurnedFace | FinishTable) for part in self._turned_parts)
+            raise ValueError(problem("peklenik_of_turned" if by_scans else "not_of_turned", key="peklenik"))
         return self
+
+    def _check_faces(self) -> None:
+        """ValueError if the keys do not make two turned faces."""
+        for key in _OF_RANDOM:
+            if key in self.model_fields_set and getattr(self, key) is not None:
+                raise ValueError(problem("random_and_feed", key=key))
+        if self.process != "turned":
+            raise ValueError(problem("of_turned", key="feed", process=self.process or "unspecified"))
+        for key in ("nose_radius", "fine"):
+            if getattr(self, key) is None:
+                raise ValueError(f"{key} {missing_key(TurnedFace, key).message}")
+        face = self.parts["seat"]
+        assert isinstance(face, TurnedFace)
+        face.check_texture()
 
     def _two_directions(self, spectra: Collection[str]) -> None:
         if not {"along", "across"} <= {*spectra}:
@@ -591,7 +649,9 @@ class Roughness(FinishKeys):
             raise ValueError(problem("directions_and_spectrum"))
         if self.peklenik != 1.0:
             raise ValueError("has peklenik, which along and across determine already; remove it")
-        if isinstance(self.along, FinishTable) or isinstance(self.across, FinishTable):
+        if isinstance(self.along, FinishTable | TurnedFace) or isinstance(
+            self.across, FinishTable | TurnedFace
+        ):
             raise ValueError(problem("finish_in_directions"))
 
     @property
@@ -601,6 +661,16 @@ class Roughness(FinishKeys):
             entries = {key: getattr(self, key) for key in FinishKeys.model_fields}
             both = FinishTable.model_construct(kind="finish", **entries)
             return {"seat": both, "closure": both}
+        if self.feed is not None:
+            turned = TurnedFace.model_construct(
+                kind="turned",
+                process="turned",
+                feed=self.feed,
+                nose_radius=self.nose_radius,  # type: ignore[arg-type]
+                fine=self.fine,  # type: ignore[arg-type]
+                spiral=self.spiral is not False,
+            )
+            return {"seat": turned, "closure": turned}
         return {key: spectrum for key in PARTS if (spectrum := getattr(self, key)) is not None}
 
     @property
@@ -610,7 +680,7 @@ class Roughness(FinishKeys):
 
     @property
     def turned_faces(self) -> dict[str, TurnedFace | MeasuredSpectrum]:
-        """Those of `parts` that are turned with a feed that is given or seen in scans, one at most."""
+        """Those of `parts` that are turned with a feed that is given or seen in scans."""
         return {
             key: part
             for key, part in self.parts.items()
@@ -618,9 +688,29 @@ class Roughness(FinishKeys):
         }
 
     @property
-    def turned_face(self) -> TurnedFace | MeasuredSpectrum | None:
-        """The only one of `turned_faces`; None without one."""
-        return next(iter(self.turned_faces.values()), None)
+    def is_turned(self) -> bool:
+        """Whether a face is turned, with a feed or with a drawing's finish."""
+        return bool(self._turned_parts)
+
+    @property
+    def _turned_parts(self) -> list[TurnedFace | MeasuredSpectrum | FinishTable]:
+        by_drawing = [face for face in self.finishes.values() if face.process == "turned"]
+        return [*self.turned_faces.values(), *by_drawing]
+
+    @property
+    def has_two_combs(self) -> bool:
+        """Whether crests of one face lie on those of the other."""
+        return len(self._turned_parts) > 1
+
+    @property
+    def has_thread(self) -> bool:
+        """Whether a groove of a turned face leads through the contact: unless it is a ring."""
+        return any(face.spiral is not False for face in self._turned_parts)
+
+    @property
+    def leaves_open(self) -> bool:
+        """Whether it says less than the leak rate needs: of a finish its shape, of two turned faces how they lie."""
+        return bool(self.finishes) or self.has_two_combs
 
     @property
     def is_measured(self) -> bool:
@@ -636,8 +726,8 @@ class Roughness(FinishKeys):
         swaps: Mapping[str, PowerSpectrum | TurnedTexture] | None = None,
         shares: Mapping[str, float] | None = None,
         factors: Mapping[str, float] | None = None,
-    ) -> tuple[PowerSpectrum, float]:
-        """Spectrum of the gap between the undeformed surfaces, and its Tripp number.
+    ) -> JoinedFaces:
+        """Spectrum of the gap between the undeformed surfaces, its Tripp number, and the crests of turned faces.
 
         The sum of the spectra given, or the angular average of those along and across. Of faces with a lay the number
         is the ratio of rms slopes, across the flow over along it, of the sum.
@@ -650,6 +740,8 @@ class Roughness(FinishKeys):
             Places in the ranges of what the finishes leave open, and factors, see `leak.Finish.surface`; the same in
             both faces.
         """
+        from leak import TurnedTexture
+
         swaps = swaps or {}
         faces = {
             key: face.surface(shares, factors) for key, face in self.finishes.items() if key not in swaps
@@ -664,13 +756,21 @@ class Roughness(FinishKeys):
         }
         if "along" in spectra:
             stretch = _stretch(spectra["along"], spectra["across"])
-            return stretch.spectrum, stretch.peklenik
+            return JoinedFaces(stretch.spectrum, stretch.peklenik)
         total = reduce(lambda total, spectrum: total + spectrum, spectra.values())
-        if "peklenik" in self.model_fields_set or not faces:
-            return total, self.peklenik
-        return total, _tripp_number(
+        textures = [
+            swap if isinstance(swap := swaps.get(key), TurnedTexture) else face.texture()
+            for key, face in self.turned_faces.items()
+        ]
+        textures += [face.texture for face in faces.values() if face.texture is not None]
+        crests = tuple(texture.own for texture in textures)
+        if "peklenik" in self.model_fields_set or crests or not faces:
+            # the other half of a feed is the same, mirrored
+            return JoinedFaces(total, self.peklenik, crests, 0.5 * (shares or {}).get(PHASE, 0.5))
+        number = _tripp_number(
             [(spectra[key].rms_slope, faces[key].peklenik if key in faces else 1.0) for key in spectra]
         )
+        return JoinedFaces(total, number)
 
     @property
     def cutoff(self) -> float | None:
@@ -729,7 +829,7 @@ def read_roughness(entries: object) -> object:
         return entries
     tables = dict(entries)
     if "feed" in tables:
-        raise ValueError(problem("two_turned_faces"))
+        tables = {**_with_fine(tables), "kind": "turned"}
     for key in PARTS:
         part = tables.get(key)
         if isinstance(part, str):
@@ -748,6 +848,7 @@ def read_roughness(entries: object) -> object:
 
 
 # Keys of [roughness] that go together; one way of giving the roughness replaces the others.
+_OF_CUSPS = ("feed", "fine", "spiral")
 _WAYS = (("spectrum",), ("seat", "closure", "gasket"), ("along", "across"))
 
 
@@ -766,8 +867,9 @@ def roughness_like(old_entries: object, change: object) -> tuple[object, object]
         return old_entries, change
     old = _as_tables(old_entries)
     new = {**change, **_as_tables({key: change[key] for key in PARTS if key in change})}
-    if _has_height(new):
-        for key in (*PARTS, "peklenik", *HEIGHTS) if not is_finish(old) else HEIGHTS:
+    if _has_height(new) or "feed" in new:
+        same = is_finish(old) if _has_height(new) else "feed" in old
+        for key in HEIGHTS if same else (*PARTS, "peklenik", "kind", *_OF_CUSPS, *FinishKeys.model_fields):
             old.pop(key, None)
         return old, new
     ways = [way for way in _WAYS if any(new.get(key) is not None for key in way)]
@@ -777,12 +879,23 @@ def roughness_like(old_entries: object, change: object) -> tuple[object, object]
             if ways[0] == _WAYS[1]:
                 faces = ("gasket" if "gasket" in new else "seat", "closure")
                 old |= {key: {**finish, "kind": "finish"} for key in faces}
+        if "feed" in old:
+            face = {key: old.pop(key) for key in ("kind", "process", "nose_radius", *_OF_CUSPS) if key in old}
+            if ways[0] == _WAYS[1]:
+                old |= {
+                    key: {**face, "kind": "turned"}
+                    for key in ("gasket" if "gasket" in new else "seat", "closure")
+                }
         for key in PARTS:
             if key not in ways[0]:
                 old.pop(key, None)
     for key in PARTS:
         part, new_part = old.get(key), new.get(key)
-        if isinstance(part, Mapping) and isinstance(new_part, Mapping) and _has_height(new_part):
+        if not (isinstance(part, Mapping) and isinstance(new_part, Mapping)):
+            continue
+        if ("feed" in part) != ("feed" in new_part) and (_has_height(new_part) or "feed" in new_part):
+            del old[key]
+        elif _has_height(new_part):
             old[key] = {name: value for name, value in part.items() if name not in HEIGHTS}
     return old, new
 
@@ -834,6 +947,8 @@ _TRANSITION, _MOST_CHANGED = float(np.log(8.0)), 12.0
 _SMALLEST = 0.01
 # Keys of a self-affine spectrum that change its shape.
 SHAPE = ("hurst", "q_rolloff", "q_high")
+# Place of the crests of one face between those of the other: 0 crest on crest, 1 crest in the middle of a groove.
+PHASE = "phase"
 
 
 @dataclass(frozen=True, eq=False)
@@ -927,7 +1042,8 @@ class UncertainFinish:
     Parameters
     ----------
     name : str
-        "Ra", "Rq" or "Rz" of a range, "hurst", "q_rolloff", "q_high", "rms_height" or "lay".
+        "Ra", "Rq" or "Rz" of a range, "hurst", "q_rolloff", "q_high", "rms_height" or "lay", of turned faces
+        "nose_radius", "fine_height" or "phase".
     spreads : tuple of Spread
         Its range on each face.
     """
@@ -943,6 +1059,8 @@ class UncertainFinish:
 
     def reported_values(self, values: FloatArray) -> FloatArray:
         """The values themselves, geometric mean over the faces, of waves their wavenumber, shape (n,)."""
+        if self.name == PHASE:
+            return values[:, 0]
         each = [np.log(spread.at(values[:, 0], log=self.name != "hurst")) for spread in self.spreads]
         means = np.exp(np.mean(each, axis=0))
         return np.asarray(2.0 * np.pi / means if self.name.startswith("q_") else means)
@@ -957,6 +1075,8 @@ def uncertain_finishes(roughness: Roughness | None, *, names: Collection[str]) -
     names : collection of str
         What is told otherwise.
     """
+    from leak.surfaces.finish import Spread
+
     faces = {} if roughness is None else roughness.finishes
     spreads_by_name: dict[str, list[Spread]] = {}
     for finish in faces.values():
@@ -965,6 +1085,8 @@ def uncertain_finishes(roughness: Roughness | None, *, names: Collection[str]) -
                 spreads_by_name.setdefault(name, []).append(spread)
     if roughness is not None and "peklenik" in roughness.model_fields_set:
         spreads_by_name.pop("lay", None)
+    if roughness is not None and roughness.has_two_combs:
+        spreads_by_name[PHASE] = [Spread(0.0, 0.5, 1.0)]
     for name, spreads in spreads_by_name.items():
         if name not in names:
             yield UncertainFinish(name, tuple(spreads))

@@ -662,7 +662,7 @@ class CaseTables(Table):
 
         None also without a fluid.
         """
-        if self.uncertainty is not None or self.roughness is None or not self.roughness.finishes:
+        if self.uncertainty is not None or self.roughness is None or not self.roughness.leaves_open:
             return self.uncertainty
         return Uncertainty() if self.fluid is not None else None
 

@@ -189,6 +189,11 @@ def _numbers(table: FinishTable) -> dict[str, Any]:
         "lay": face.lay,
         "lay_aspect": face.aspect,
         "peklenik": face.peklenik,
+        **(
+            {}
+            if face.texture is None
+            else attributes(face.texture, "feed_m", "nose_radius_m", "crest_height_m")
+        ),
         "ranges": {name: list(spread) for name, spread in finish.spreads.items()},
     }
 
@@ -227,6 +232,7 @@ def _rows(display: Display, table: FinishTable, whose: str) -> list[tuple[str, s
         whose=whose,
         finish=finish,
         face=face,
+        table=table,
         spreads=spreads,
         others=[name for name in ("Ra", "Rq", "Rz") if name != finish.parameter],
         lays=own_tables("words.toml")["lays"],

@@ -604,25 +604,23 @@ def rough_contact(case: CaseTables) -> FaceContact | None:
 
     if case.roughness is None:
         return None
-    spectrum, peklenik = case.roughness.combine()
-    hardness, face = case.hardness if case.leak.plasticity else None, case.roughness.turned_face
-    if face is not None:
-        texture = face.texture()
+    joined = case.roughness.combine()
+    hardness = case.hardness if case.leak.plasticity else None
+    if joined.crests:
         return TurnedContact(
-            feed=texture.feed,
-            nose_radius=texture.nose_radius,
-            fine=spectrum,
+            **joined.of_crests,
+            fine=joined.spectrum,
             effective_modulus=case.effective_modulus,
             hardness=hardness,
-            thread_radius=case.initial_contact_radius if face.spiral else math.inf,
+            thread_radius=case.initial_contact_radius if case.roughness.has_thread else math.inf,
         )
     return RoughContact(
-        spectrum,
+        joined.spectrum,
         effective_modulus=case.effective_modulus,
         hardness=hardness,
         theory=case.leak.theory,
         percolation_threshold=case.leak.percolation_threshold,
-        peklenik=peklenik,
+        peklenik=joined.peklenik,
     )
 
 

@@ -26,6 +26,7 @@ from leak.surfaces.profile_parameters import (
 )
 from leak.surfaces.scans import LEAST_RANGE
 from leak.surfaces.spectrum import PowerSpectrum
+from leak.surfaces.turned import TurnedRoughness, TurnedTexture
 
 Lay = Literal["none", "circular", "radial", "straight", "crossed"]
 Parameter = Literal["Ra", "Rq", "Rz"]
@@ -58,6 +59,10 @@ class Spread(NamedTuple):
         return Spread(*(min(max(end, low), high) for end in self))
 
 
+# Waves shorter than any stylus sees go on: down to where the spectrum is believed to end.
+SHORTEST_WAVE = Spread(0.1e-6, 0.5e-6, 2.5e-6)
+
+
 @dataclass(frozen=True)
 class Process:
     """A way of making a surface, and what it usually looks like.
@@ -80,6 +85,11 @@ class Process:
         Range of ratios on real surfaces of the kind; Gaussian heights have 1.25, and 5 to 9.
     sources : tuple of str
         Keys of `SOURCES`.
+    shortest : Spread
+        Shortest wave [m].
+    nose_radius, fine_height : Spread, optional
+        Of a tool that leaves cusps its radius [m], and the rms height of the fine roughness on their crests, as
+        measured, over the height of the crests [-]. Hurst exponent and waves are those of the fine roughness.
 
     Examples
     --------
@@ -96,12 +106,15 @@ class Process:
     rq_over_ra: tuple[float, float]
     rz_over_ra: tuple[float, float]
     sources: tuple[str, ...]
+    shortest: Spread = SHORTEST_WAVE
+    nose_radius: Spread | None = None
+    fine_height: Spread | None = None
 
 
-# Waves shorter than any stylus sees go on: down to where the spectrum is believed to end.
-SHORTEST_WAVE = Spread(0.1e-6, 0.5e-6, 2.5e-6)
 # Machining leaves no steeper surfaces on average: a roll-off shorter than this many Rq would.
 _FLATTEST = 40.0
+# A tool is fed by half of its nose radius at most, and by half of the cutoff with which its cusps are measured.
+_MOST_FEED = 0.5
 # Directions over which a lay is averaged.
 _DIRECTIONS = 2000
 # Most nodes of the average around each end of a power law, and their distance in ln q where fewer do.
@@ -110,6 +123,9 @@ _BENDS, _BEND = 7, 0.4
 
 def _process(name: str, entry: Mapping[str, Any]) -> Process:
     low, high = entry["Ra"]
+    lengths = {
+        key: Spread(*(end * _UM for end in entry[key])) for key in ("shortest", "nose_radius") if key in entry
+    }
     return Process(
         name,
         (low * _UM, high * _UM),
@@ -120,6 +136,8 @@ def _process(name: str, entry: Mapping[str, Any]) -> Process:
         tuple(entry["rq_over_ra"]),
         tuple(entry["rz_over_ra"]),
         tuple(entry["sources"]),
+        **lengths,
+        fine_height=Spread(*entry["fine_height"]) if "fine_height" in entry else None,
     )
 
 
@@ -165,6 +183,8 @@ class Finish:
     lay : Lay, optional
     tolerance : float
         Largest value of a range over `value`, and `value` over the smallest [-]; 1 of a single value.
+    nose_radius : float, optional
+        Of the tool of a turned face [m].
 
     Examples
     --------
@@ -185,6 +205,7 @@ class Finish:
     aspect: float | None = None
     lay: Lay | None = None
     tolerance: float = 1.0
+    nose_radius: float | None = None
 
     def __post_init__(self) -> None:
         positive(SpectrumError, self.parameter, self.value, "m")
@@ -199,7 +220,8 @@ class Finish:
         """What the drawing leaves open, by name, with its range.
 
         Of a range of Ra, Rq or Rz the value, under the name of the parameter, whose logarithm is as likely everywhere;
-        hurst, q_rolloff, q_high, rms_height (see `_height`) and lay.
+        hurst, q_rolloff, q_high, rms_height (see `_height`) and lay; of a turned face nose_radius and fine_height, see
+        `Process`, in place of these two.
         """
         spreads = {}
         if self.tolerance > 1.0:
@@ -209,7 +231,12 @@ class Finish:
         if self.q_rolloff is None:
             spreads["q_rolloff"] = self._rolloff
         if self.q_high is None:
-            spreads["q_high"] = SHORTEST_WAVE
+            spreads["q_high"] = self.process.shortest
+        if self.process.nose_radius is not None and self.process.fine_height is not None:
+            if self.nose_radius is None:
+                spreads["nose_radius"] = self.process.nose_radius
+            spreads["fine_height"] = self.process.fine_height
+            return spreads
         spreads["rms_height"] = self._height
         if self.aspect is None and self.process.aspect.high > 1.0:
             spreads["lay"] = self.process.aspect
@@ -235,6 +262,8 @@ class Finish:
     @property
     def _rolloff(self) -> Spread:
         """Wavelengths of the roll-off: none longer than what is measured, none that would be too steep."""
+        if self.process.nose_radius is not None:
+            return self.process.rolloff
         rq = self.value * {"Ra": 1.0 / RA_OVER_RQ, "Rq": 1.0, "Rz": 0.2}[self.parameter]
         longest = self.band.lambda_c if self.q_low is None else 2.0 * math.pi / self.q_low
         return self.process.rolloff.clip(_FLATTEST * rq, math.inf).clip(0.0, longest)
@@ -262,21 +291,28 @@ class Finish:
             "q_rolloff": None if self.q_rolloff is None else 2.0 * math.pi / self.q_rolloff,
             "q_high": None if self.q_high is None else 2.0 * math.pi / self.q_high,
             "lay": self.aspect,
+            "nose_radius": self.nose_radius,
+            "fine_height": None,
         }
         ranges = {
             "hurst": self.process.hurst,
             "q_rolloff": self._rolloff,
-            "q_high": SHORTEST_WAVE,
+            "q_high": self.process.shortest,
             "lay": self.process.aspect,
+            "nose_radius": self.process.nose_radius,
+            "fine_height": self.process.fine_height,
         }
         at = {
-            key: float(ranges[key].at(shares.get(key, 0.5), log=key != "hurst")) if value is None else value
+            key: value if value is not None else float(spread.at(shares.get(key, 0.5), log=key != "hurst"))
             for key, value in values.items()
+            if (spread := ranges[key]) is not None
         }
         height = float(self._height.at(shares["rms_height"])) if "rms_height" in shares else 1.0
         rolloff = at["q_rolloff"] / factors.get("q_rolloff", 1.0)
         shortest = at["q_high"] / factors.get("q_high", 1.0)
         hurst = min(max(at["hurst"] * factors.get("hurst", 1.0), 0.01), 1.0)
+        if "fine_height" in at:
+            return self._turn(hurst, rolloff, shortest, at["nose_radius"], at["fine_height"])
         if self.q_high is None:
             shortest = min(shortest, rolloff / LEAST_RANGE)
         longest = max(self.band.lambda_c, rolloff) if self.q_low is None else 2.0 * math.pi / self.q_low
@@ -302,6 +338,42 @@ class Finish:
             replace(parameters, Rq=parameters.Rq * rms_height),
             hurst,
             q_rolloff,
+        )
+
+    def _turn(
+        self, hurst: float, rolloff: float, shortest: float, nose_radius: float, fine_height: float
+    ) -> FinishedSurface:
+        """Cusps and fine roughness that together are measured as high as the value says."""
+        band = self.band
+
+        def unit_of(longest: float) -> PowerSpectrum:
+            wave = min(rolloff, longest)
+            ends = {"q_low": longest, "q_rolloff": wave, "q_high": min(shortest, wave / LEAST_RANGE)}
+            q = {key: 2.0 * math.pi / length for key, length in ends.items()}
+            return PowerSpectrum.self_affine(rms_height=1.0, hurst=hurst, **q)
+
+        # long waves do not change the number of waves
+        waves = expected_roughness(unit_of(band.lambda_c), band).waves
+        of_unit = TurnedRoughness(1.0, ExpectedRoughness(fine_height, waves, band))
+        crest = self.value / of_unit.value(self.parameter)
+        if self.nose_radius is None:
+            # f^2 = 8 r R_t
+            least = 8.0 * crest / _MOST_FEED**2
+            nose_radius = max(min(nose_radius, (_MOST_FEED * band.lambda_c) ** 2 / (8.0 * crest)), least)
+        feed = math.sqrt(8.0 * nose_radius * crest)
+        if feed > 1.001 * _MOST_FEED * band.lambda_c:
+            raise SpectrumError(
+                f"lambda_c = {band.lambda_c:g} m: cusps of this {self.parameter} are {feed:g} m apart, and are not"
+                " measured with such a filter; leave lambda_c out, or give a smaller nose radius or a longer cutoff"
+            )
+        rolloff = max(rolloff, _FLATTEST * fine_height * crest)
+        unit = unit_of(2.0 * feed)
+        fine = unit.scaled(fine_height * crest / expected_roughness(unit, band).Rq)
+        expected = TurnedRoughness(crest, ExpectedRoughness(fine_height * crest, waves, band))
+        texture = TurnedTexture(feed, nose_radius, fine)
+        wave = min(rolloff, 2.0 * feed)
+        return FinishedSurface(
+            fine, fine, 1.0, self.process.lay, expected, hurst, 2.0 * math.pi / wave, texture
         )
 
 
@@ -349,20 +421,26 @@ class FinishedSurface:
         Hurst exponent [-].
     q_rolloff : float
         Wavenumber of the roll-off across the lay [1/m].
+    texture : TurnedTexture, optional
+        Cusps of a turned face, of which `spectrum` and `across` are the fine roughness.
 
     Examples
     --------
-    >>> round(Finish("Ra", 0.8e-6, process_named("turned")).surface().peklenik, 3)
-    0.2
+    >>> round(Finish("Ra", 0.8e-6, process_named("reamed")).surface().peklenik, 3)
+    0.25
+    >>> texture = Finish("Ra", 0.8e-6, process_named("turned")).surface().texture
+    >>> print(f"{texture.feed * 1e3:.2f} mm, {texture.crest_height * 1e6:.1f} um")
+    0.14 mm, 3.1 um
     """
 
     spectrum: PowerSpectrum
     across: PowerSpectrum
     aspect: float
     lay: Lay
-    expected: ExpectedRoughness
+    expected: ExpectedRoughness | TurnedRoughness
     hurst: float
     q_rolloff: float
+    texture: TurnedTexture | None = None
 
     @property
     def peklenik(self) -> float:

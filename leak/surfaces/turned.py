@@ -13,6 +13,7 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import SurfaceError, positive
+from leak.surfaces.profile_parameters import ExpectedRoughness, ProfileFilter
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
 
@@ -22,6 +23,9 @@ _CRESTS, _PER_FEED = 16, 2048
 # valley before it, so many rms heights deep, or is so many times that way apart; lower than so many rms heights it
 # needs so deep a valley.
 _VALLEY, _APART, _LOWER, _DEEP_VALLEY = 0.01, 4.0, 3.0, 0.1
+# Depth below a crest over the height of the crests, from there to the middle of a groove; heights of a probability.
+_FALL = 1.0 - np.linspace(1.0, 0.0, 1025)[1::2] ** 2
+_HEIGHTS = np.linspace(0.0, 8.0, 400)
 
 
 class Cusps(NamedTuple):
@@ -73,6 +77,76 @@ class Crest(NamedTuple):
     valleys: tuple[float, float]
     slope: float
     next_valley: float
+
+
+@dataclass(frozen=True)
+class TurnedRoughness:
+    """Roughness values expected of a turned face, right across its grooves.
+
+    Cusps and fine roughness are independent parts of one profile. The cusps are counted whole: a cutoff lambda_c of two
+    feeds takes 6 % off their first wave, one of four nothing.
+
+    Parameters
+    ----------
+    crest_height : float
+        R_t, from the bottom of a groove to a crest [m].
+    fine : ExpectedRoughness
+        Of the fine roughness alone.
+
+    Examples
+    --------
+    >>> fine = ExpectedRoughness(1e-7, 100.0, ProfileFilter(0.8e-3, 2.5e-6))
+    >>> of_face = TurnedRoughness(1.5625e-6, fine)
+    >>> print(f"Ra {of_face.Ra * 1e6:.2f}, Rq {of_face.Rq * 1e6:.2f}, Rz {of_face.Rz * 1e6:.1f} um")
+    Ra 0.41, Rq 0.48, Rz 2.0 um
+    """
+
+    crest_height: float
+    fine: ExpectedRoughness
+
+    @property
+    def filter(self) -> ProfileFilter:
+        """With which it is measured."""
+        return self.fine.filter
+
+    @property
+    def Ra(self) -> float:
+        """Mean deviation, of parabolas 4/(9 sqrt 3) R_t [m]."""
+        return _mean_deviation(self.crest_height * _FALL, self.fine.Rq)
+
+    @property
+    def Rq(self) -> float:
+        """Root of the mean square, of parabolas R_t times the root of 4/45 [m]."""
+        return math.hypot(math.sqrt(4.0 / 45.0) * self.crest_height, self.fine.Rq)
+
+    @property
+    def Rz(self) -> float:
+        """Highest peak plus deepest valley of a sampling length, on average [m].
+
+        Each wave of the fine roughness has a peak of Rayleigh's distribution, at its own place of a cusp.
+        """
+        return self.crest_height + self._reach(_FALL) + self._reach(1.0 - _FALL)
+
+    def _reach(self, depth: FloatArray) -> float:
+        """How far the highest peak rises above the end of the cusps, at places whose depths are evenly likely [m]."""
+        s, waves = self.fine.Rq, max(self.fine.waves, 2.0)
+        lift = _HEIGHTS[:, None] + self.crest_height / s * depth
+        all_below = np.exp(-waves * np.exp(-0.5 * lift**2).mean(axis=1))
+        return float(s * np.trapezoid(1.0 - all_below, _HEIGHTS))
+
+    def value(self, parameter: str) -> float:
+        """One of them by its name, "Ra", "Rq" or "Rz" [m]."""
+        return {"Ra": self.Ra, "Rq": self.Rq, "Rz": self.Rz}[parameter]
+
+
+def _mean_deviation(depths: FloatArray, s: float) -> float:
+    """Of heights at evenly spaced places with Gaussian ones on them [m]."""
+    from scipy.special import erf
+
+    deviation = depths - depths.mean()
+    # mean of the magnitude of d + z over a Gaussian z
+    rest = math.sqrt(2.0 / math.pi) * s * np.exp(-0.5 * (deviation / s) ** 2)
+    return float(np.mean(rest + deviation * erf(deviation / (math.sqrt(2.0) * s))))
 
 
 @dataclass(frozen=True)
@@ -210,18 +284,11 @@ class TurnedTexture:
 
     @property
     def Ra(self) -> float:
-        """Mean deviation of a profile across the grooves [m]: of parabolas 2/(9 sqrt 3)*2 R_t, with the fine roughness.
+        """Mean deviation of a profile across the grooves [m]: of parabolas 4/(9 sqrt 3) R_t, with the fine roughness.
 
         Cusp and fine roughness are added as independent parts of one profile.
         """
-        from scipy.special import erf
-
-        depth = self.depths if self.other else self.depth_at(np.linspace(0.0, 0.5 * self.feed, 1025)[1::2])
-        deviation = depth - depth.mean()
-        s = self.fine.rms_height
-        # mean of |d + z| over a Gaussian z
-        rest = math.sqrt(2.0 / math.pi) * s * np.exp(-0.5 * (deviation / s) ** 2)
-        return float(np.mean(rest + deviation * erf(deviation / (math.sqrt(2.0) * s))))
+        return _mean_deviation(self.depths, self.fine.rms_height)
 
     def depth_at(self, distance: FloatArray) -> FloatArray:
         """Depth of this smooth face alone below its crests [m].

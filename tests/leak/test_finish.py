@@ -14,6 +14,7 @@ from leak.surfaces.profile_parameters import (
     implied_filter,
     roughness_parameters,
 )
+from leak.surfaces.turned import TurnedRoughness
 
 UM = 1e-6
 
@@ -29,6 +30,17 @@ def profile(spectrum, *, spacing, points, seed):
     amplitude = np.zeros(points // 2 + 1, dtype=complex)
     amplitude[1:-1] = np.sqrt(density * q[0]) * random * points / math.sqrt(2)
     return np.fft.irfft(amplitude, points)
+
+
+def profile_of(face, *, spacing, points, seed):
+    """Of a face, of a turned one fine roughness on cusps of a whole number in the profile."""
+    heights = profile(face.across, spacing=spacing, points=points, seed=seed)
+    if face.texture is None:
+        return heights
+    feed = points * spacing / round(points * spacing / face.texture.feed)
+    place = np.arange(points) * spacing % feed
+    depth = face.texture.depth_at(np.minimum(place, feed - place) * face.texture.feed / feed)
+    return heights - depth + depth.mean()
 
 
 def filtered_by_fourier(heights, spacing, band):
@@ -50,7 +62,7 @@ def test_ra_in_is_ra_out(name, value):
     band = finish.band
     spacing = max(band.lambda_s, 1e-6) / 4
     points = 2 ** math.ceil(math.log2(250 * band.lambda_c / spacing))
-    heights = profile(finish.surface().across, spacing=spacing, points=min(points, 2**18), seed=3)
+    heights = profile_of(finish.surface(), spacing=spacing, points=min(points, 2**18), seed=3)
     by_fourier = filtered_by_fourier(heights, spacing, band)
     by_convolution = filtered_profile(heights, spacing, band)
     for one in (by_fourier, by_convolution):
@@ -74,12 +86,22 @@ def test_a_short_evaluation_gives_the_same_ra_on_average():
 
 
 @pytest.mark.parametrize("parameter", ["Ra", "Rq", "Rz"])
-@pytest.mark.parametrize("name", ["lapped", "turned", "sandblasted"])
-def test_each_parameter_comes_back(parameter, name):
+@pytest.mark.parametrize(
+    ("name", "shares"),
+    [
+        ("lapped", {}),
+        ("reamed", {}),
+        ("sandblasted", {}),
+        ("turned", {}),
+        ("turned", {"fine_height": 0.0, "nose_radius": 1.0}),
+        ("turned", {"fine_height": 1.0, "nose_radius": 0.0}),
+    ],
+)
+def test_each_parameter_comes_back(parameter, name, shares):
     value = {"Ra": 0.8, "Rq": 1.0, "Rz": 5.0}[parameter] * UM
     finish = Finish(parameter, value, process_named(name))
     spacing, section = 0.6 * UM, finish.band.lambda_c
-    heights = profile(finish.surface().across, spacing=spacing, points=2**19, seed=11)
+    heights = profile_of(finish.surface(shares), spacing=spacing, points=2**19, seed=11)
     filtered = filtered_by_fourier(heights, spacing, finish.band)
     count = int(section / spacing)
     parts = filtered[: filtered.size // count * count].reshape(-1, count)
@@ -93,7 +115,7 @@ def test_each_parameter_comes_back(parameter, name):
 
 
 def test_a_map_with_a_lay_has_the_value_across_it():
-    finish = Finish("Ra", 0.8 * UM, process_named("turned"), q_high=2 * np.pi / (8 * UM))
+    finish = Finish("Ra", 0.8 * UM, process_named("reamed"), q_high=2 * np.pi / (8 * UM))
     face = finish.surface()
     root = math.sqrt(face.aspect)
     before = leak.PowerSpectrum(face.across.wavenumber / root, face.across.density * face.aspect)
@@ -172,7 +194,7 @@ def test_all_ranges_can_be_made(name, value):
         assert all(one.low <= one.usual <= one.high for one in spreads.values())
         for share in (0.0, 0.5, 1.0):
             face = finish.surface(dict.fromkeys(spreads, share))
-            height = float(spreads["rms_height"].at(share))
+            height = float(spreads["rms_height"].at(share)) if "rms_height" in spreads else 1.0
             assert face.expected.value(parameter) == pytest.approx(value * height)
             assert face.across.q_low <= face.q_rolloff <= face.across.q_high
 
@@ -190,6 +212,45 @@ def test_the_average_of_a_lay_is_that_of_all_its_nodes(aspect):
         for one in (face.spectrum, whole)
     )
     assert (few / many) ** 3 == pytest.approx(1.0, rel=0.01)
+
+
+def test_a_turned_face_has_the_feed_of_its_value_and_its_tool():
+    turned = process_named("turned")
+    usual, known = (
+        Finish("Ra", 0.4 * UM, turned, nose_radius=radius).surface().texture for radius in (None, 0.4e-3)
+    )
+    assert (usual.nose_radius, known.nose_radius) == pytest.approx((0.8e-3, 0.4e-3))
+    assert usual.feed / known.feed == pytest.approx(math.sqrt(2.0))
+    for texture in (usual, known):
+        assert texture.feed**2 / (8 * texture.nose_radius) == pytest.approx(texture.crest_height)
+        # without the filter lambda_s the fine roughness is a little higher
+        assert texture.Ra == pytest.approx(0.4 * UM, rel=0.01)
+        assert texture.fine.q_low == pytest.approx(math.pi / texture.feed)
+    # twice as high on the drawing: everything twice as high, but for the filter
+    higher = Finish("Ra", 0.8 * UM, turned).surface().texture
+    assert higher.crest_height == pytest.approx(2 * usual.crest_height, rel=1e-3)
+    assert higher.feed == pytest.approx(math.sqrt(2.0) * usual.feed, rel=1e-3)
+    assert "nose_radius" not in Finish("Ra", 0.4 * UM, turned, nose_radius=0.4e-3).spreads
+
+
+def test_tools_are_fed_by_half_of_their_nose_at_most():
+    for value in (3.2 * UM, 25 * UM):
+        finish = Finish("Ra", value, process_named("turned"))
+        for share in (0.0, 0.5, 1.0):
+            texture = finish.surface({"nose_radius": share}).texture
+            assert texture.feed <= 0.5001 * min(texture.nose_radius, finish.band.lambda_c)
+    with pytest.raises(leak.SpectrumError, match="lambda_c = 8e-05 m: cusps of this Ra"):
+        Finish("Ra", 0.8 * UM, process_named("turned"), ProfileFilter(0.08e-3)).surface()
+
+
+def test_roughness_of_cusps_that_vanish_is_that_of_the_fine_part():
+    fine = leak.ExpectedRoughness(UM, 100.0, ProfileFilter(0.8e-3))
+    flat, high = TurnedRoughness(1e-4 * UM, fine), TurnedRoughness(1e4 * UM, fine)
+    for name in ("Ra", "Rq", "Rz"):
+        assert flat.value(name) == pytest.approx(fine.value(name), rel=0.01)
+    ratios = 4 / (9 * math.sqrt(3)), math.sqrt(4 / 45), 1.0
+    for name, ratio in zip(("Ra", "Rq", "Rz"), ratios, strict=True):
+        assert high.value(name) == pytest.approx(ratio * 1e4 * UM, rel=1e-3)
 
 
 def test_parameters_of_a_sine():

@@ -216,7 +216,8 @@ def test_the_turned_flange_seals_across_its_grooves_and_leaks_along_them():
     ]
     case = fem_seal.Case(**found.case).replace(corner)
     # the depth of the groove is that of the corner
-    texture = case.roughness.turned_face.texture()
+    (face,) = case.roughness.turned_faces.values()
+    texture = face.texture()
     assert texture.crest_height == pytest.approx(10e-6, rel=1e-9)
     values = [Expression(one.value) for one in (ratio, radial)]
     ((numbers,), refused) = validation._numbers(case, values, False)

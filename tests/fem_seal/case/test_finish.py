@@ -73,13 +73,13 @@ def test_two_faces_add(base):
 
 
 def test_the_lay_of_the_steeper_face_prevails(base):
-    turned = base.replace_written({"roughness.seat": "turned Ra 0.8 um"})
-    both = base.replace_written({"roughness": {"seat": "turned Ra 0.8 um", "closure": "lapped Ra 0.2 um"}})
-    assert turned.roughness.combine()[1] == pytest.approx(0.2)
-    assert 0.2 < both.roughness.combine()[1] < 1.0
-    radial = base.replace_written({"roughness.seat": {"Ra": "0.8 um", "process": "turned", "lay": "radial"}})
-    assert radial.roughness.combine()[1] == pytest.approx(5.0)
-    told = base.replace_written({"roughness": {"seat": "turned Ra 0.8 um", "peklenik": 0.5}})
+    reamed = base.replace_written({"roughness.seat": "reamed Ra 0.8 um"})
+    both = base.replace_written({"roughness": {"seat": "reamed Ra 0.8 um", "closure": "lapped Ra 0.2 um"}})
+    assert reamed.roughness.combine()[1] == pytest.approx(0.25)
+    assert 0.25 < both.roughness.combine()[1] < 1.0
+    radial = base.replace_written({"roughness.seat": {"Ra": "0.8 um", "process": "reamed", "lay": "radial"}})
+    assert radial.roughness.combine()[1] == pytest.approx(4.0)
+    told = base.replace_written({"roughness": {"seat": "reamed Ra 0.8 um", "peklenik": 0.5}})
     assert told.roughness.combine()[1] == 0.5
 
 

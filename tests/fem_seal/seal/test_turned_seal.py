@@ -73,9 +73,12 @@ def test_fine_roughness_may_be_a_finish():
         ({"seat": {**TURNED, "hurst": 0.8}}, {}, "hurst, which describes a random surface"),
         ({"seat": {**TURNED, "lay": "circular"}}, {}, "in a table fine"),
         ({"seat": TURNED, "peklenik": 0.2}, {}, "peklenik"),
-        ({"seat": TURNED, "closure": TURNED}, {}, "a feed in both faces"),
-        (TURNED, {}, "a feed in both faces"),
-        ({"spectrum": TURNED}, {}, "belongs to one face"),
+        (TURNED | {"seat": TURNED}, {}, "has feed, the finish of each face, and seat"),
+        ({"along": TURNED, "across": TURNED}, {}, "along or across the flow"),
+        ({**TURNED, "process": "lapped"}, {}, "has feed, which belongs to turned faces, beside lapped"),
+        ({key: TURNED[key] for key in ("process", "feed", "fine")}, {}, "nose_radius is missing; add"),
+        ({**TURNED, "q_high": "1e7 1/m"}, {}, "q_high, which describes a random surface"),
+        ({"seat": {**TURNED, "fine": "turned Ra 0.1 um"}}, {}, "a turned finish in fine"),
         ({"seat": {**TURNED, "feed": "1 mm"}}, {}, "nose radius"),
         ({"seat": {**TURNED, "feed": 0.1}}, {}, "feed"),
         ({"seat": {key: TURNED[key] for key in ("process", "feed", "nose_radius")}}, {}, "fine"),
@@ -93,6 +96,106 @@ def test_fine_roughness_may_be_a_finish():
 def test_what_does_not_fit_is_refused(roughness, changes, reason):
     with pytest.raises(fem_seal.InputError, match=reason):
         case_of(roughness, **changes)
+
+
+def test_a_drawing_becomes_crests_with_the_feed_of_its_ra():
+    surface = rough_contact(case_of({"seat": "turned Ra 0.4 um"}))
+    assert isinstance(surface, leak.TurnedContact)
+    assert surface.texture.Ra == pytest.approx(0.4e-6, rel=0.01)
+    assert surface.nose_radius == pytest.approx(0.8e-3)
+    assert surface.feed == pytest.approx(math.sqrt(8.0 * 0.8e-3 * surface.texture.crest_height))
+    assert math.isfinite(surface.thread_radius)
+    # what stands beside it, and the other face on its crests
+    known = {"Ra": "0.4 um", "process": "turned", "nose_radius": "0.4 mm", "spiral": False}
+    told = rough_contact(case_of({"seat": known, "closure": "lapped Ra 0.1 um"}))
+    assert isinstance(told, leak.TurnedContact) and math.isinf(told.thread_radius)
+    assert told.nose_radius == pytest.approx(0.4e-3)
+    assert told.fine.rms_height > 1.1 * surface.fine.rms_height
+
+
+def test_two_turned_faces_are_two_combs():
+    from fem_seal.answers.samples import changed_surface, uncertain_inputs
+
+    each = rough_contact(case_of(TURNED))
+    pair = rough_contact(case_of({"seat": TURNED, "closure": TURNED}))
+    one = rough_contact(case_of({"seat": TURNED}))
+    assert isinstance(each, leak.TurnedContact) and each == pair and isinstance(one, leak.TurnedContact)
+    assert each.other == leak.Cusps(1e-4, 8e-4) and one.other is None
+    assert each.fine.rms_height == pytest.approx(math.sqrt(2.0) * one.fine.rms_height)
+    # on a drawing, too, and where the crests of one lie between those of the other is not known
+    unlike = case_of({"seat": "turned Ra 0.4 um", "closure": {**TURNED, "feed": "0.13 mm"}})
+    surface = rough_contact(unlike)
+    assert isinstance(surface, leak.TurnedContact) and unlike.sampling is not None
+    assert surface.other is not None
+    assert sorted([surface.feed, surface.other.feed]) == pytest.approx([99.1e-6, 1.3e-4], rel=1e-3)
+    assert [one.name for one in uncertain_inputs(unlike, unlike.sampling)][-1] == "phase"
+    phases = [changed_surface(unlike, surface, {}, shares={"phase": place}) for place in (0.0, 0.5, 1.0)]
+    assert [one.phase for one in phases if isinstance(one, leak.TurnedContact)] == [0.0, 0.25, 0.5]
+    assert surface.phase == 0.25
+    given = case_of({"seat": TURNED, "closure": TURNED})
+    assert given.sampling is not None
+    assert [one.name for one in uncertain_inputs(given, given.sampling)] == ["phase"]
+
+
+@pytest.mark.parametrize(
+    ("roughness", "reason"),
+    [
+        (
+            {"Ra": "0.4 um", "process": "turned", "lay": "circular"},
+            "has lay, which describes a random surface",
+        ),
+        ({"Ra": "0.4 um", "process": "turned", "peklenik": 0.2}, "has peklenik"),
+        ({"seat": "turned Ra 0.4 um", "peklenik": 0.2}, "has peklenik"),
+        ({"Ra": "0.4 um", "process": "turned", "q_low": "1e4 1/m"}, "has q_low"),
+        ({"Ra": "0.4 um", "process": "lapped", "nose_radius": "0.8 mm"}, 'process = "turned"'),
+        ({"Ra": "0.4 um", "spiral": False}, "has spiral, which belongs to turned faces, beside unspecified"),
+        (
+            {"seat": {"Ra": "0.8 um", "process": "turned", "lambda_c": "0.08 mm"}},
+            "lambda_c.*are not measured with such a filter",
+        ),
+    ],
+)
+def test_what_no_turned_drawing_says_is_refused(roughness, reason):
+    with pytest.raises(fem_seal.InputError, match=reason):
+        case_of(roughness)
+
+
+def test_what_a_turned_drawing_leaves_open():
+    from fem_seal.answers.samples import changed_surface, uncertain_inputs
+
+    case = case_of({"seat": {"Ra": "0.2 um to 0.8 um", "process": "turned", "hurst": 0.8}})
+    assert case.sampling is not None
+    names = [one.name for one in uncertain_inputs(case, case.sampling)]
+    assert names == ["Ra", "q_rolloff", "q_high", "nose_radius", "fine_height"]
+    known = case.replace({"roughness.seat.nose_radius": "0.4 mm"})
+    assert "nose_radius" not in [one.name for one in uncertain_inputs(known, case.sampling)]
+    surface = rough_contact(case)
+    assert surface is not None
+    rough = changed_surface(case, surface, {}, shares={"nose_radius": 1.0, "fine_height": 1.0, "Ra": 1.0})
+    assert isinstance(rough, leak.TurnedContact)
+    assert rough.nose_radius == pytest.approx(1.6e-3) and rough.texture.Ra == pytest.approx(0.8e-6, rel=0.02)
+    ratio = rough.fine.rms_height / rough.texture.crest_height
+    # as measured, without its shortest waves
+    assert 0.2 < ratio < 0.21
+    # a factor on all heights is one on the cusps, too
+    higher = changed_surface(case, surface, {"rms_height": 1.1})
+    assert isinstance(higher, leak.TurnedContact) and isinstance(surface, leak.TurnedContact)
+    assert higher.texture.Ra == pytest.approx(1.1 * surface.texture.Ra)
+    assert higher.feed == surface.feed
+
+
+def test_check_says_what_a_turned_drawing_becomes():
+    from fem_seal.output.case_words import finish_numbers, finish_rows
+
+    case = case_of({"seat": "turned Ra 0.4 um"})
+    rows = dict(finish_rows(case))
+    assert rows["finish of seat"] == "turned, Ra 0.4 µm"
+    assert rows["  crests"].startswith("feed 99.1 µm, 1.53 µm high") and rows["  crests"].endswith(
+        "one thread"
+    )
+    assert rows["  nose radius"] == "0.800 mm (assumed; 0.2 mm to 1.6 mm)"
+    assert "times the height of the crests (assumed; 0.03 to 0.2)" in rows["  fine roughness"]
+    assert finish_numbers(case)["seat"]["feed_m"] == pytest.approx(99.1e-6, rel=1e-3)
 
 
 def test_leak_rate_is_that_of_crests_in_series():
