@@ -17,8 +17,8 @@ from fem_seal.case.notation import tables_of, words_of
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # Where another part of the schema says which keys there are: tombi takes silence for a no.
 _OPEN = {"additionalProperties": True}
-# The kind of a table that does not say it, where there is one.
-_DEFAULT_KINDS = {"kind": "finish"}
+# The kind of a table that does not say it, where there is one, and that of one with a key.
+_DEFAULT_KINDS, _KINDS_OF_KEYS = {"kind": "finish"}, {"feed": "turned"}
 
 
 def case_schema() -> dict[str, Any]:
@@ -88,10 +88,9 @@ def as_schema(title: str, schema: Mapping[str, Any]) -> dict[str, Any]:
     file_schema = _file_schema(schema, schema.get("$defs", {}))
     for definition in file_schema.get("$defs", {}).values():
         for word, kind in _DEFAULT_KINDS.items():
-            if definition.get("properties", {}).get(word, {}).get("const") == kind and word in definition.get(
-                "required", []
-            ):
-                definition["required"].remove(word)
+            kinds, required = (kind, *_KINDS_OF_KEYS.values()), definition.get("required", [])
+            if definition.get("properties", {}).get(word, {}).get("const") in kinds and word in required:
+                required.remove(word)
     return {"$schema": _DIALECT, "title": title, **file_schema}
 
 
@@ -172,7 +171,11 @@ def _chosen_by_word(schema: dict[str, Any], defs: Mapping[str, Any]) -> dict[str
     }
     if not default_form:
         return {"type": "object", **table, **schema}
-    table["allOf"].append({"if": {"not": {"required": [word]}}, "then": {"$ref": default_form}})
+    said = [{"required": [key]} for key in (word, *_KINDS_OF_KEYS)]
+    table["allOf"].append({"if": {"not": {"anyOf": said}}, "then": {"$ref": default_form}})
+    for key, name in _KINDS_OF_KEYS.items():
+        condition = {"not": {"required": [word]}, "required": [key]}
+        table["allOf"].append({"if": condition, "then": {"$ref": forms[name]}})
     return {
         "type": ["object", "string"],
         **_OPEN,
