@@ -83,7 +83,9 @@ def supported_by(result: SealSolution) -> list[str]:
     if load.leak is None or load.validity.outside_theory:
         return []
     theories = [name for name in ("paper", "corrected") if name in load.names]
-    support = "test" if load.after_test else theories[0] if theories else "direct"
+    flow = result.problem.flow
+    of_no_theory = "turned" if flow is None or flow.direct is None else "direct"
+    support = "test" if load.after_test else theories[0] if theories else of_no_theory
     return [say(result.display, "theories", f"supported_{support}")]
 
 
