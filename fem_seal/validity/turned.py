@@ -98,7 +98,7 @@ def crest_places(surface: TurnedContact, load: LoadResult) -> Bounds:
     """
     if load.rough is None or load.rough.flow is None:
         return Bounds(1.0, 1.0)
-    totals = np.zeros(_PHASES)
+    totals = np.zeros(_PHASES * surface.crest_places.size)
     for land in load.profiles:
         totals = totals + _resistances(surface, load.rough, land) if land.touches else totals
     mean = float(totals.mean())
@@ -111,13 +111,16 @@ def crest_places(surface: TurnedContact, load: LoadResult) -> Bounds:
 def _resistances(surface: TurnedContact, rough: LeakModel, land: PressureProfile) -> FloatArray:
     """Of the crests on a land for each place of the first one, in any unit."""
     assert rough.flow is not None and rough.table is not None  # of the caller
-    table, feed, x = rough.table.liquid, surface.feed, land.x
+    table, places, x = rough.table.liquid, surface.crest_places, land.x
+    count, period = _PHASES * places.size, surface.crest_distance * places.size
     land = land.equivalent(table)
     totals = []
-    for phase in range(_PHASES):
-        crests = np.arange(x[0] + phase / _PHASES * feed, x[-1], feed)
+    for phase in range(count):
+        crests = np.arange(x[0] + (phase / count - 1.0) * period, x[-1], period) + places[:, None]
         pressure = np.interp(crests, x, land.pressure)
-        pressure = pressure[pressure > 1e-6 * land.peak_pressure]
+        carry = (crests >= x[0]) & (crests < x[-1]) & (pressure > 1e-6 * land.peak_pressure)
+        pressure = np.where(carry, pressure, land.peak_pressure)
         with np.errstate(divide="ignore"):
-            totals.append(float(np.sum(1.0 / np.asarray(table.conductivity(pressure, 1.0)))))
+            each = surface.crest_shares(pressure) / np.asarray(table.conductivity(pressure, 1.0))
+        totals.append(float(each[carry].sum()))
     return np.array(totals)

@@ -233,8 +233,8 @@ class TurnedContact:
         return False
 
     @cached_property
-    def _crest_distance(self) -> float:
-        """On average [m]."""
+    def crest_distance(self) -> float:
+        """Between crests that carry load, on average [m]: the feed of a face on a flat."""
         return self.texture.period / len(self.texture.crests(self.fine.rms_height))
 
     @property
@@ -302,7 +302,7 @@ class TurnedContact:
         return CrestLines(
             np.stack(pieces),
             spacing,
-            self._crest_distance,
+            self.crest_distance,
             self.effective_modulus,
             self.contact_pressure,
             lines,
@@ -355,6 +355,33 @@ class TurnedContact:
         same = (heights[:, None] == heights).astype(float)
         return np.asarray(same / same.sum(axis=1)[:, None])
 
+    @property
+    def crest_places(self) -> FloatArray:
+        """Of the crests that repeat together, shape (n,) [m]: after n times `crest_distance`."""
+        return np.array([crest.place for crest in self._crests])
+
+    def crest_shares(self, pressure: FloatArray) -> FloatArray:
+        """Of each crest that repeats in the resistance across all of them; equal where they are lost in roughness [-].
+
+        Parameters
+        ----------
+        pressure : ndarray, shape (n, ...)
+            Nominal at each crest in the order of `crest_places`, positive [Pa].
+        """
+        if len(self._crests) == 1 or self._lost_share == 1.0:
+            return np.full(pressure.shape, 1.0 / len(self._crests))
+        log_p, shares = self._known_shares
+        return np.array(
+            [np.interp(np.log(at), log_p, of_one) for at, of_one in zip(pressure, shares, strict=True)]
+        )
+
+    @cached_property
+    def _known_shares(self) -> tuple[FloatArray, FloatArray]:
+        """ln of the pressures of the levels of the flat, and the shares of `crest_shares` there, shape (n, levels)."""
+        means = [self._alike @ self._throats(state.least_gap).mean(axis=1) for state in self._flowing]
+        resistances = 1.0 / np.maximum(np.transpose(means), _TINY)
+        return np.log([state.pressure for state in self._flowing]), resistances / resistances.sum(axis=0)
+
     @cached_property
     def _bridged(self) -> tuple[tuple[int, int, float], ...]:
         """Neighbouring crests whose valley hardly leads along them, and its depth over that of one that does [-]."""
@@ -380,7 +407,7 @@ class TurnedContact:
                 together = np.mean(1.0 / (1.0 / throats[one] + 1.0 / throats[two]))
             more = np.maximum(together * apart, _SEALED) ** (share - 1.0) - 1.0
             resistance += apart * more / len(means)
-        return float(self._crest_distance / resistance)
+        return float(self.crest_distance / resistance)
 
     @property
     def _path(self) -> tuple[_State, ...]:
@@ -901,7 +928,7 @@ class TurnedContact:
         theory = np.interp(fallen, _FALLEN, _SPREAD) ** 2
         length = 2.0 * math.pi / self.fine.median_wavenumber
         sample = (
-            (_OPEN_PLACES * 10.0 ** (_FEWER_PLACES * fallen)) ** 2 * self._crest_distance / (waves * length)
+            (_OPEN_PLACES * 10.0 ** (_FEWER_PLACES * fallen)) ** 2 * self.crest_distance / (waves * length)
         )
         parts = {"turned crests": theory, "few waves": sample}
         bias = np.full(fallen.shape, _MEAN)

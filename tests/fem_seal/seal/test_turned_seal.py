@@ -215,6 +215,22 @@ def test_leak_rate_is_that_of_crests_in_series():
     assert places.high == pytest.approx(np.mean(totals) / np.min(totals), rel=0.05)
 
 
+def test_bounds_of_crests_of_two_faces_are_those_of_their_pattern():
+    """Equal faces half a feed apart are one of half the feed; of unlike ones the highest crests lie far apart."""
+    (load,) = solved().loads
+    of_one = solved().surface
+    assert isinstance(of_one, leak.TurnedContact)
+    r = of_one.nose_radius
+    halves = replace(
+        of_one, feed=2.0 * of_one.feed, nose_radius=2.0 * r, other=leak.Cusps(2.0 * of_one.feed, 2.0 * r)
+    )
+    one, pair = crest_places(of_one, load), crest_places(halves, load)
+    assert halves.crest_places == pytest.approx([0.0, of_one.feed])
+    assert (pair.low, pair.high) == pytest.approx((one.low, one.high), rel=0.02)
+    unlike = crest_places(replace(of_one, other=leak.Cusps(0.75 * of_one.feed, r)), load)
+    assert unlike.low < one.low < 1.0 < one.high < unlike.high
+
+
 def test_the_interval_has_the_error_of_the_theory():
     (load,) = solved().loads
     assert load.flow_error is not None and load.leak is not None
