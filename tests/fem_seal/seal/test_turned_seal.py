@@ -221,9 +221,8 @@ def test_bounds_of_crests_of_two_faces_are_those_of_their_pattern():
     of_one = solved().surface
     assert isinstance(of_one, leak.TurnedContact)
     r = of_one.nose_radius
-    halves = replace(
-        of_one, feed=2.0 * of_one.feed, nose_radius=2.0 * r, other=leak.Cusps(2.0 * of_one.feed, 2.0 * r)
-    )
+    other = leak.Cusps(2.0 * of_one.feed, 2.0 * r)
+    halves = replace(of_one, feed=other.feed, nose_radius=other.nose_radius, other=other, phase=0.5)
     one, pair = crest_places(of_one, load), crest_places(halves, load)
     assert halves.crest_places == pytest.approx([0.0, of_one.feed])
     assert (pair.low, pair.high) == pytest.approx((one.low, one.high), rel=0.02)
