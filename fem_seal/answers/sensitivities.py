@@ -21,7 +21,7 @@ from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case, CaseBody
 from fem_seal.case.fields import quantities_of
 from fem_seal.case.material_table import library_table
-from fem_seal.case.roughness import self_affine_part
+from fem_seal.case.roughness import FineRoughness, TurnedFace, self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
 from fem_seal.seal.evaluate import Batch, Evaluation, evaluate_many, evaluate_seal
@@ -30,13 +30,15 @@ from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.sources import SharedBodies, Source
 from fem_seal.validity.checks import validity_of
-from leak import LeakError
+from leak import LeakError, TurnedContact
 from meshes import GeometryError, MeshingError
 
 # Relative step of the local exponent of what costs a surface, and of a force.
 _SMALL_STEP, _SMALL_FORCE = 0.02, 0.01
 # The same of a path, whose load steps leave some parts in ten thousand of the width.
 _SMALL_PATH = 0.05
+# The same of turned crests, of which levels of the flat leave some per cent of the leak rate.
+_SMALL_CREST = 0.1
 # Steps that are told: of the applied force; of heights, hardness, modulus and roll-off; of the Hurst exponent.
 _FORCE, _TWO, _HURST = 1.1, 2.0, 1.1
 _LARGEST_HURST = 1.0
@@ -91,7 +93,8 @@ class Sensitivity:
     ----------
     key : str
         "force", "rms_height", "form", "hardness", "youngs_modulus", "hurst", "q_rolloff", the path of a finish such as
-        "roughness.seat.Ra", of a dimension such as "closure.radius", or of a material.
+        "roughness.seat.Ra", of a turned face such as "roughness.seat.feed", of a dimension such as "closure.radius", or
+        of a material.
     before, after : float or None
         Value, SI; None of what is only scaled.
     factor : float
@@ -331,6 +334,8 @@ class _ChangedSeal:
         A dimension whose larger value opens the seal is made smaller.
         """
         smallest = _SMALL_PATH if self.problem.follows_path else 0.0
+        if isinstance(self.problem.surface, TurnedContact):
+            smallest = _SMALL_CREST
         steps = [change.small and max(change.small, smallest) for change in changes]
         near_rates = self._rates_after(
             {change: 1.0 + step for change, step in zip(changes, steps, strict=True) if step}
@@ -376,7 +381,7 @@ class _ChangedSeal:
         )
 
     def _can_be_drawn(self, change: _Change, factor: float) -> bool:
-        if change.key in self._not_drawn:
+        if change.key.rpartition(".")[2] in self._not_drawn:
             return False
         finish = change.key.startswith("roughness.") or (change.key == "rms_height" and self._drawn)
         # remarks are about heights that are not usual for their process
@@ -445,8 +450,30 @@ class _ChangedSeal:
             steps["q_rolloff"] = _TWO, getattr(spectrum, "q_rolloff", None)
         for key, (step, value) in steps.items():
             yield _Change(key, step, partial(self._with_surface, key), _SMALL_STEP, value)
+        yield from self._cusps()
         for path, value in heights.items() if len(heights) > 1 else ():
             yield _Change(path, 1.0 / _TWO, partial(self._with_entries, {path: value}, value), before=value)
+
+    def _cusps(self) -> Iterator[_Change]:
+        """Feed and nose radius of turned faces, and the shape of the fine roughness on their crests."""
+        roughness = self.case.roughness
+        assert roughness is not None  # of `leaks`
+        faces = roughness.turned_faces
+        if roughness.feed is not None:
+            # of both
+            faces = {"": faces["seat"]}
+        for key, face in faces.items():
+            if not isinstance(face, TurnedFace):
+                continue
+            steps = {"feed": (_TWO, face.feed), "nose_radius": (_TWO, face.nose_radius)}
+            if isinstance(face.fine, FineRoughness):
+                steps["fine.hurst"] = _HURST, face.fine.hurst
+                steps["fine.q_rolloff"] = _TWO, face.fine.q_rolloff
+            for name, (step, value) in steps.items():
+                path = f"roughness.{key}.{name}"
+                yield _Change(
+                    path, step, partial(self._with_entries, {path: value}, value), _SMALL_STEP, value
+                )
 
     @property
     def _drawn(self) -> dict[str, float]:

@@ -236,7 +236,13 @@ def check(
         without_stop,
     )
     from fem_seal.output.answers.verdict import requirement_lines
-    from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
+    from fem_seal.output.case_words import (
+        crest_rows,
+        derived_numbers,
+        finish_rows,
+        requirement_numbers,
+        temperature_rows,
+    )
     from fem_seal.seal.heating import with_contact_temperatures
 
     case = with_contact_temperatures(terminal.case_of_command(case_file))
@@ -267,7 +273,8 @@ def check(
     elif not quiet:
         terminal.tell(f"{case_file} is valid: {case.title}", bold=True)
         terminal.tell(*(f"judged: {line}" for line in requirement_lines(case)))
-        for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
+        crests = crest_rows(case.display, problem.surface, derivation, leaks=problem.leaks)
+        for name, text in (*finish_rows(case), *crests, *temperature_rows(case, problem)):
             terminal.tell(f"  {name:30}{text}", indent=32)
         if numbers["run_time_s"] is not None:
             terminal.tell(f"  {'time of a run':30}{about(numbers['run_time_s'])}, in load steps", indent=32)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -264,8 +264,8 @@ def _finishes(case: Case) -> Offers:
         return ["The case has no [roughness]: there is no leak rate, and no finish to choose."]
     # a finish in words is a table like others
     finishes: Any = read_roughness(case.written["roughness"])
-    faces = {"": finishes} if any(key in finishes for key in _HEIGHTS) else {}
-    names = {"spectrum": "both faces"} | {
+    faces = {"": finishes} if any(key in finishes for key in (*_HEIGHTS, "feed")) else {}
+    names = {"": "both faces", "spectrum": "both faces"} | {
         face: face for face in ("seat", "closure", "gasket", "along", "across")
     }
     if case.gasket is not None:
@@ -274,15 +274,32 @@ def _finishes(case: Case) -> Offers:
     offers: list[Factor | str] = []
     for key, table in faces.items():
         which = next((name for name in _HEIGHTS if name in table), None)
+        if "feed" in table:
+            offers += _cusps(key, names[key], table)
+            continue
         if which is None:
             offers.append(
                 f"The roughness of the {names[key]} is measured: its height is not offered as a slider."
             )
             continue
-        label = f"{which.replace('_', ' ')}, {names.get(key, 'both faces')}"
+        label = f"{which.replace('_', ' ')}, {names[key]}"
         path = ".".join(filter(None, ["roughness", key, which]))
         offers.append(_finish(key or "all", label, path, table[which]))
     return offers
+
+
+def _cusps(key: str, face: str, table: Mapping[str, Any]) -> Iterator[Factor]:
+    """Feed, nose radius and height of the fine roughness of a turned face."""
+    base, which_face = ".".join(filter(None, ["roughness", key])), key or "all"
+    for name in ("feed", "nose_radius"):
+        entry = table[name]
+        label, value = f"{name.replace('_', ' ')}, {face}", _number("length", entry)
+        yield _factor(f"{name}_{which_face}", label, "surface", (f"{base}.{name}",), "length", value, entry)
+    fine = table["fine"]
+    if isinstance(fine, Mapping):
+        which = next(name for name in _HEIGHTS if name in fine)
+        label = f"{which.replace('_', ' ')} on the crests, {face}"
+        yield _finish(which_face, label, f"{base}.fine.{which}", fine[which])
 
 
 def _finish(key: str, label: str, path: str, entry: object) -> Factor:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.conduction import TemperatureField
     from fem_seal.seal.problem import SealProblem
     from fem_seal.units import Display
+    from leak import RoughContact, TurnedContact
     from leak.surfaces.finish import Spread
 
 
@@ -221,6 +222,35 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
             whose, texture = part.label_of(key), face.texture()
             rows += worded_rows(case.display, "turned", whose=whose, face=face, texture=texture)
     return rows
+
+
+def crest_rows(
+    display: Display, surface: RoughContact | TurnedContact | None, forms: ClosedForms, *, leaks: bool
+) -> list[tuple[str, str]]:
+    """Rows of a turned face in the contacts that the closed forms expect; none of another one.
+
+    Parameters
+    ----------
+    display : Display
+    surface : RoughContact, TurnedContact or None
+    forms : ClosedForms
+        Of the same case.
+    leaks : bool
+        Whether a fluid passes, of which the thread has a share.
+    """
+    from leak import TurnedContact
+
+    lines = [line for load in forms.loads if (line := load.crossover or load.hertz) is not None]
+    if not isinstance(surface, TurnedContact) or not lines:
+        return []
+    crests = [line.fwhm / surface.feed for line in lines]
+    shares = surface.thread_share([line.peak_pressure for line in lines]) if leaks else (0.0,)
+    return worded_rows(
+        display,
+        "crests",
+        crests=(min(crests), max(crests)),
+        shares=(float(min(shares)), float(max(shares))),
+    )
 
 
 def _rows(display: Display, table: FinishTable, whose: str) -> list[tuple[str, str]]:

@@ -283,12 +283,7 @@ _CONDITIONS: dict[str, tuple[Callable[[CaseTables], object], str]] = {
     "a gas in [fluid]": (lambda case: case.fluid and case.fluid.gas, "fluid.name"),
     "a liquid in [fluid]": (lambda case: case.fluid and not case.fluid.gas, "fluid.name"),
     "a thread between crests": (
-        lambda case: any(
-            face.spiral
-            for part in case.parts
-            if part.roughness
-            for face in part.roughness.turned_faces.values()
-        ),
+        lambda case: any(part.roughness and part.roughness.has_thread for part in case.parts),
         "spiral",
     ),
     "fluid.density": (lambda case: case.fluid and case.fluid.density, "fluid."),

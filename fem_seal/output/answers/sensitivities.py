@@ -84,6 +84,7 @@ def step_in_words(case: Case, sensitivity: Sensitivity) -> str:
         present="its own" if material == UNNAMED else material,
         tolerance=parts and all(part.tolerance is not None for part in parts),
         finish=_finish(case),
+        turned=case.roughness is not None and bool(case.roughness.turned_faces),
         dimension=partial(_dimension, case, sensitivity),
     )
 

@@ -251,6 +251,25 @@ def test_a_finish_in_words_or_with_a_range_has_a_slider_from_its_usual_value(rou
     assert case.replace_written({path: one.stops[0]}).roughness.parts["seat"].finish.tolerance == 1.0
 
 
+def test_a_turned_face_has_sliders_for_feed_nose_radius_and_fine_roughness():
+    fine = {"rms_height": "0.1 um", "hurst": 0.8, "q_rolloff": "2.5e5 1/m"}
+    face = {"process": "turned", "feed": "50 um", "nose_radius": "0.4 mm", "fine": fine}
+    case = case_with(roughness={"seat": face})
+    sliders = {one.key: one for one in factors_of(case).sliders if one.group == "surface"}
+    assert {"feed_seat", "nose_radius_seat", "finish_seat"} <= {*sliders}
+    assert sliders["feed_seat"].base_text == "50 um"
+    assert sliders["finish_seat"].label == "rms height on the crests, seat"
+    changes = factors_of(case).changes(case, {"feed_seat": "60 um", "finish_seat": "0.2 um"})
+    moved = case.replace_written(changes).roughness.turned_faces["seat"]
+    assert (moved.feed, moved.nose_radius, moved.fine.rms_height) == pytest.approx((6e-5, 4e-4, 2e-7))
+    # of both faces in one table
+    both = case_with(roughness={**face, "fine": "lapped Ra 0.1 um"})
+    sliders = {one.key: one for one in factors_of(both).sliders}
+    assert sliders["feed_all"].paths == ("roughness.feed",)
+    assert sliders["finish_all"].paths == ("roughness.fine.Ra",)
+    assert sliders["finish_all"].label == "Ra on the crests, both faces"
+
+
 @pytest.mark.slow
 def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):
     case = case_with(roughness={"Ra": "0.4 um", "process": "lapped"}, load={"fluid_pressure": "20 bar"})

@@ -13,6 +13,9 @@ from places import EXAMPLES
 
 import fem_seal
 import leak
+from fem_seal.answers.sensitivities import sensitivities
+from fem_seal.output.answers.sensitivities import step_in_words
+from fem_seal.output.case_words import crest_rows
 from fem_seal.output.columns import COLUMNS, columns_of
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import Level
@@ -260,6 +263,37 @@ def test_thread_leaks_beside_the_crests():
     crests = COLUMNS["leak_rate_crests_m3_per_s"]
     assert crests.number(thread) == pytest.approx(load.leak.leak_rate, rel=1e-6)
     assert crests in columns_of(case) and crests not in columns_of(solved().case)
+
+
+def test_sensitivities_are_those_of_faces_with_another_feed_and_nose():
+    case = solved().case
+    levers = {one.key: one for one in sensitivities(solved())}
+    feed, nose = levers["roughness.seat.feed"], levers["roughness.seat.nose_radius"]
+    (load,) = solved().loads
+    assert load.leak is not None
+    changed = fem_seal.run(case.replace({nose.key: nose.after}), sensitivities=False).loads[0]
+    assert changed.leak is not None
+    assert nose.ratio[0] == pytest.approx(changed.leak.leak_rate / load.leak.leak_rate, rel=0.05)
+    # fewer and higher crests carry more each
+    assert (
+        feed.drawn and nose.drawn and feed.after == pytest.approx(2.0 * feed.before) and feed.ratio[0] < 0.5
+    )
+    assert step_in_words(case, feed) == "doubling the feed of the seat"
+    assert "fine roughness on the crests" in step_in_words(case, levers["rms_height"])
+    assert not levers["roughness.seat.fine.hurst"].drawn
+    assert "Hurst exponent of 0.88" in step_in_words(case, levers["roughness.seat.fine.hurst"])
+
+
+def test_check_tells_crests_and_thread_in_the_contact():
+    case = solved().case.replace({"roughness.seat.spiral": True})
+    forms, surface = fem_seal.derive(case), rough_contact(case)
+    rows = dict(crest_rows(case.display, surface, forms, leaks=True))
+    crests = forms.loads[0].crossover.fwhm / 5e-5
+    assert rows["  in the contact"] == f"{crests:.0f} crests across the width at half maximum"
+    assert rows["  through the thread"].endswith("of the conductivity at the peak pressure")
+    rings = rough_contact(solved().case)
+    assert "  through the thread" not in dict(crest_rows(case.display, rings, forms, leaks=True))
+    assert crest_rows(case.display, None, forms, leaks=True) == []
 
 
 def test_few_crests_are_told():
