@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Bounds, Finding, caution
+from fem_seal.seal.findings import AGREE, ORDERS_OF_MAGNITUDE, Bounds, Finding, caution
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 
@@ -70,6 +70,7 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
         pressure=limit,
         simulated=tight.rough is not None and tight.rough.is_direct,
         sealed=acts >= surface.sealing_pressure,
+        acts=acts if acts > AGREE * tight.peak_pressure else None,
         times=high if high < ORDERS_OF_MAGNITUDE else None,
     )
 
