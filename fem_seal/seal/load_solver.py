@@ -54,7 +54,6 @@ from fem_seal.seal.cost import about
 from fem_seal.seal.load_result import LoadResult, load_results
 from fem_seal.seal.problem import SealFlow, SealProblem, condense_bodies
 from fem_seal.wording import Quantity
-from leak import RoughContact
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -347,7 +346,7 @@ class LoadSolver:
     def asperities_remember(self) -> bool:
         """Whether asperities yield and are known to stay tighter where they were pressed harder before."""
         surface = self.problem.surface
-        return isinstance(surface, RoughContact) and surface.hardness is not None
+        return surface is not None and surface.hardness is not None
 
     @cached_property
     def flow(self) -> SealFlow | None:

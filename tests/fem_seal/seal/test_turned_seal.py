@@ -360,3 +360,23 @@ def test_an_earlier_fluid_pressure_is_remembered_as_well():
     assert low.leak.leak_rate < 0.9 * low.scenarios["first loading"].leak.leak_rate  # type: ignore[union-attr]
     fresh = high.scenarios["first loading"].leak
     assert high.leak.leak_rate == pytest.approx(fresh.leak_rate, rel=1e-9)  # type: ignore[union-attr]
+
+
+@pytest.mark.slow
+def test_loads_up_and_down_of_bodies_that_yield_are_one_history():
+    face = {**TURNED, "feed": "0.05 mm", "nose_radius": "0.4 mm", "spiral": False}
+    curve = {"plastic_strain": [0, 0.05, 0.3], "stress": ["250 MPa", "300 MPa", "350 MPa"]}
+    soft = {
+        "name": "soft",
+        "youngs_modulus": "120 GPa",
+        "poissons_ratio": 0.34,
+        "hardness": "0.9 GPa",
+        "yield_stress": "250 MPa",
+    }
+    seat = {"closure.radius": "200 mm", "seat.material": {**soft, "stress_strain": curve}}
+    forces = {"load.fluid_pressure": "2 bar", "load.applied_force": ["20 kN", "60 kN", "20 kN"]}
+    loads = fem_seal.run(case_of({"seat": face}, **seat, **forces), sensitivities=False).loads
+    up, most, down = (load.leak.leak_rate for load in loads if load.leak is not None)
+    assert most < down < 0.5 * up
+    fresh = loads[2].scenarios["first loading"].leak
+    assert fresh is not None and fresh.leak_rate == pytest.approx(up, rel=0.02)
