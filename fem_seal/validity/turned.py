@@ -54,24 +54,28 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
     limit = surface.nearly_sealed_pressure if tight.rough is None else tight.rough.crests_open_up_to
     if acts <= limit:
         return
-    leak, high = tight.leak, math.inf
-    if leak is not None and leak.leak_rate > 0.0 and tight.leak_before_sealing > 0.0:
-        high = max(tight.leak_before_sealing / leak.leak_rate, 1.0)
     # what the thread lets through flows all the same
     thread_share = float(surface.thread_share(acts))
+    low = max(1.0 / ORDERS_OF_MAGNITUDE, thread_share)
+    leak, high = tight.leak, math.inf
+    if tight.circumference is not None:
+        # what a form error adds has no bound
+        high = 1.0 / low
+    elif leak is not None and leak.leak_rate > 0.0 and tight.leak_before_sealing > 0.0:
+        high = max(tight.leak_before_sealing / leak.leak_rate, 1.0)
     matters = thread_share < _THREAD or high > 1.0 / _THREAD
     yield caution(
         "crests_nearly_sealed",
         tight,
         loads,
-        leak_factor=Bounds(max(1.0 / ORDERS_OF_MAGNITUDE, thread_share), high),
+        leak_factor=Bounds(low, high),
         is_reported=matters,
         proven=not matters,
         pressure=limit,
         simulated=tight.rough is not None and tight.rough.is_direct,
         sealed=acts >= surface.sealing_pressure,
         acts=acts if acts > AGREE * tight.peak_pressure else None,
-        times=high if high < ORDERS_OF_MAGNITUDE else None,
+        times=high if high < ORDERS_OF_MAGNITUDE and tight.circumference is None else None,
     )
 
 
