@@ -98,7 +98,8 @@ def seconds(case: CaseTables) -> float:
     """
     heat = case.temperature is not None and bool(case.temperature.faces)
     direct = case.direct if case.leak.conductivity == "direct" else None
-    maps = 0.0 if direct is None else _map_seconds(direct)
+    is_turned = case.roughness is not None and case.roughness.turned_face is not None
+    maps = 0.0 if direct is None else _map_seconds(direct, is_turned)
     return (
         len(case.load.path) * load_seconds(case)
         + (OWN if heat or yields(case) else 0.0)
@@ -107,7 +108,12 @@ def seconds(case: CaseTables) -> float:
     )
 
 
-def _map_seconds(direct: Direct) -> float:
-    pressures = len(direct.path or range(8))
+def _map_seconds(direct: Direct, is_turned: bool) -> float:
+    pressures = len(direct.path or range(12 if is_turned else 8))
     flows = _FLOWS if direct.asperities == "von-mises" else 1.0
-    return _POINT * flows * direct.points**2 * direct.samples * pressures
+    # of a turned face these are the most
+    points, samples = (
+        usual if is_turned and name not in direct.model_fields_set else getattr(direct, name)
+        for name, usual in (("points", 512), ("samples", 2))
+    )
+    return _POINT * flows * points**2 * samples * pressures

@@ -131,7 +131,7 @@ class DirectSettings:
         across = surface.peklenik != 1.0 or isinstance(surface, TurnedContact)
         try:
             patch = (
-                TexturePatch(surface.texture, points)
+                TexturePatch(surface.texture, points, 2 if surface.other is None else 1)
                 if isinstance(surface, TurnedContact)
                 else Patch.of(
                     surface.spectrum,
@@ -209,6 +209,9 @@ class DirectSettings:
             See `DirectTable.conductivity_table`.
         """
         is_turned = isinstance(surface, TurnedContact)
+        if isinstance(surface, TurnedContact) and surface.crest_scatter > 0.0:
+            # alike crests are simulated
+            return self.of_neighbour(replace(surface, crest_scatter=0.0), surface, end=end, of_gas=of_gas)
         table = self.table(surface).conductivity_table(p_min, p_max, num, end, of_gas=of_gas or is_turned)
         return _with_thread(table, surface, of_gas)
 
@@ -216,7 +219,7 @@ class DirectSettings:
         self,
         surface: FaceContact,
         neighbour: FaceContact,
-        theory: Callable[[FaceContact], AnyTable],
+        theory: Callable[[FaceContact], AnyTable] | None = None,
         *,
         end: int = 0,
         of_gas: bool = False,
@@ -230,24 +233,32 @@ class DirectSettings:
         ----------
         surface, neighbour : FaceContact
             That which is simulated, and the other one.
-        theory : callable
+        theory : callable, optional
             Table of a surface that is not turned.
         end, of_gas
             See `conductivity`.
         """
-        of, other = _simulated(surface), _simulated(neighbour)
+        of, other = _simulated(surface), _on_its_own(neighbour)
         if self.asperities == "elastic":
             of, other = of.elastic, other.elastic
         scale = _bearing_pressure(other) / _bearing_pressure(of)
-        is_turned = isinstance(other, TurnedContact)
         # of a turned face there is one for all pressures, and its thread takes that of gases
-        table = calculated_table(other, 1.0, 2.0, None, of_gas=True) if is_turned else theory(other)
+        if theory is None or isinstance(other, TurnedContact):
+            table = calculated_table(other, 1.0, 2.0, None, of_gas=True)
+        else:
+            table = theory(other)
         table = self.table(of).corrected(table, of, scale, end)
         return _with_thread(table, neighbour, of_gas)
 
 
 def _simulated(surface: FaceContact) -> FaceContact:
-    """What is simulated of a surface: its reading of asperities that yield and its thread are the theory's."""
+    """What is simulated of a surface: crests of one height."""
+    alone = _on_its_own(surface)
+    return replace(alone, crest_scatter=0.0) if isinstance(alone, TurnedContact) else alone
+
+
+def _on_its_own(surface: FaceContact) -> FaceContact:
+    """As a simulation takes a surface: its reading of asperities that yield and its thread are the theory's."""
     return surface.rings if isinstance(surface, TurnedContact) else surface.capped
 
 

@@ -667,7 +667,10 @@ def direct_settings(case: CaseTables) -> DirectSettings:
     values = {name: getattr(table, name) for name in same}
     surface = rough_contact(case)
     if isinstance(surface, TurnedContact):
-        usual = {"points": texture_points(surface.texture), "samples": _SAMPLES_OF_CRESTS}
+        usual = {
+            "points": texture_points(surface.texture, 2 if surface.other is None else 1),
+            "samples": _SAMPLES_OF_CRESTS,
+        }
         values |= {name: value for name, value in usual.items() if name not in table.model_fields_set}
     return DirectSettings(
         **values,

@@ -211,3 +211,21 @@ def test_command_writes_table_and_pictures(tmp_path, capsys):
     }  # fmt: skip
     assert cli.main(["direct", "--seal", str(file)]) == 2
     assert "without --seal" in capsys.readouterr().err
+
+
+def test_crests_of_unlike_heights_have_the_factor_of_alike_ones():
+    settings, surface = direct_settings(case_of()), rough_contact(case_of())
+    assert isinstance(surface, leak.TurnedContact)
+    unlike = replace(surface, crest_scatter=0.3 * surface.texture.crest_height)
+    p = [8e6, 2e7]
+    found, alike, theory, theory_alike = (
+        np.asarray(table.effective_separation(p)) ** 3
+        for table in (
+            settings.conductivity(unlike, 1e5, 1e9).liquid,
+            settings.conductivity(surface, 1e5, 1e9).liquid,
+            unlike,
+            surface,
+        )
+    )
+    assert found / alike == pytest.approx(theory / theory_alike, rel=0.05)
+    assert settings.table(unlike) is settings.table(surface)
