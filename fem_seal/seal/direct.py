@@ -675,7 +675,8 @@ class DirectTable:
         as much as the shorter half of those that it holds, since each further octave changes less than the last, or as
         much as the theory says; but no more flows than at a lower pressure. Metal that flows lets more through than its
         load steps say.
-        Samples that are tight count as such downwards: there the mean conductivity of all of them is the end.
+        Samples that are tight count as such downwards: there the mean conductivity of all of them is the end. Crests of
+        a turned face are long; two short ones in series let less through, by the square of their scatter.
 
         Parameters
         ----------
@@ -693,6 +694,9 @@ class DirectTable:
         low, high = scatter - min(changes), scatter + max(changes)
         if not self.simulation.has_crests:
             low += math.log(row.samples / row.open_samples)
+        elif row.samples > 1:
+            # two short crests in series conduct less than long ones, whose places have this scatter, on average
+            high += (scatter / _SIGMAS) ** 2 * row.samples
         if self.simulation.settings.yield_stress is not None:
             high += LOAD_STEP_ERROR
         lower = [other for other in self.loading if other.pressure < row.pressure]
