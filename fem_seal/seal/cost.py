@@ -98,7 +98,7 @@ def seconds(case: CaseTables) -> float:
     """
     heat = case.temperature is not None and bool(case.temperature.faces)
     direct = case.direct if case.leak.conductivity == "direct" else None
-    is_turned = case.roughness is not None and case.roughness.turned_face is not None
+    is_turned = case.roughness is not None and case.roughness.is_turned
     maps = 0.0 if direct is None else _map_seconds(direct, is_turned)
     return (
         len(case.load.path) * load_seconds(case)
