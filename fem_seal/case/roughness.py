@@ -766,7 +766,7 @@ class Roughness(FinishKeys):
         crests = tuple(texture.own for texture in textures)
         if "peklenik" in self.model_fields_set or crests or not faces:
             # the other half of a feed is the same, mirrored
-            return JoinedFaces(total, self.peklenik, crests, 0.5 * (shares or {}).get(PHASE, 0.5))
+            return JoinedFaces(total, self.peklenik, crests, 0.5 * float((shares or {}).get(PHASE, 0.5)))
         number = _tripp_number(
             [(spectra[key].rms_slope, faces[key].peklenik if key in faces else 1.0) for key in spectra]
         )

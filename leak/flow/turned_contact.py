@@ -642,7 +642,7 @@ class TurnedContact:
             Of the fine roughness where crests are lost in it. Throats know no other.
         """
         self._check_table(p_min, p_max, method)
-        return self._thread_table.liquid if self._has_thread else self._table
+        return self._thread_liquid if self._has_thread else self._table
 
     def gas_conductivity_table(
         self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
@@ -661,6 +661,10 @@ class TurnedContact:
         return self._thread_table if self._has_thread else self._gas_table
 
     @cached_property
+    def _thread_liquid(self) -> ConductivityTable:
+        return self._with_thread(self._table)
+
+    @cached_property
     def _thread_table(self) -> GasConductivityTable:
         return self.with_thread(self._gas_table)
 
@@ -674,31 +678,36 @@ class TurnedContact:
         """
         if not self._has_thread:
             return crests
-        sealing = crests.liquid.sealing_pressure
+        table = self._with_thread(crests.liquid)
+        log_p, u = np.log(table.pressure), table.separation
+        gas = np.empty((log_p.size, _LOG_D.size))
+        for row, (gaps, own) in enumerate(zip(self.valley_gaps(table.pressure), u, strict=True)):
+            deep = gaps[gaps > 0.0]
+            factor = np.exp(log_flow_factor(_LOG_D[:, None] + np.log(deep / own)))
+            gas[row] = self._winding * (factor @ deep**3) / gaps.size
+        # the same gas has another inverse Knudsen number in the effective gap of the crests alone
+        own_u = crests.liquid.at_log_pressure(log_p)
+        own_u = own_u[own_u > 0.0]
+        count = own_u.size
+        flow = np.exp(crests.log_flow_at(log_p[:count, None])(_LOG_D + np.log(own_u / u[:count])[:, None]))
+        gas[:count] += own_u[:, None] ** 3 * flow
+        return GasConductivityTable(table, np.log(gas / u[:, None] ** 3) - log_flow_factor(_LOG_D), _LOG_D)
+
+    def _with_thread(self, crests: ConductivityTable) -> ConductivityTable:
+        """The same table of a liquid."""
         # between levels as well: near sealing the crests' own table knows where it ends, which that of both does not
-        levels = crests.liquid.pressure
+        levels = crests.pressure
         places = np.linspace(0.0, levels.size - 1.0, _BETWEEN * (levels.size - 1) + 1)
         known = np.exp(np.interp(places, np.arange(levels.size), np.log(levels)))
-        own_u = crests.liquid.at_log_pressure(np.log(known))
+        own_u = crests.at_log_pressure(np.log(known))
         known, own_u = known[own_u > 0.0], own_u[own_u > 0.0]
-        beyond = np.geomspace(sealing, _NEARLY_FLAT * self.contact_pressure, _BEYOND)
+        beyond = np.geomspace(crests.sealing_pressure, _NEARLY_FLAT * self.contact_pressure, _BEYOND)
         beyond = beyond[beyond > 1.001 * known[-1]]
         pressure = np.concatenate([known, beyond])
         across = np.concatenate([own_u**3, np.zeros(beyond.size)])
-        valleys = self.valley_gaps(pressure)
-        total = across + self._winding * np.mean(valleys**3, axis=1)
-        gas = np.empty((pressure.size, _LOG_D.size))
-        for row, (gaps, u) in enumerate(zip(valleys, np.cbrt(total), strict=True)):
-            deep = gaps[gaps > 0.0]
-            factor = np.exp(log_flow_factor(_LOG_D[:, None] + np.log(deep / u)))
-            gas[row] = self._winding * (factor @ deep**3) / gaps.size
-        # the same gas has another inverse Knudsen number in the effective gap of the crests alone
-        own = _LOG_D + np.log(own_u / np.cbrt(total[: known.size]))[:, None]
-        flow = np.exp(crests.log_flow_at(np.log(known)[:, None])(own))
-        gas[: known.size] += across[: known.size, None] * flow
+        u = np.cbrt(across + self._winding * np.mean(self.valley_gaps(pressure) ** 3, axis=1))
         sealing = self.contact_pressure
-        table = ConductivityTable(pressure, np.cbrt(total), sealing, sealing, memory=self._table.memory)
-        return GasConductivityTable(table, np.log(gas / total[:, None]) - log_flow_factor(_LOG_D), _LOG_D)
+        return ConductivityTable(pressure, u, sealing, sealing, memory=self._table.memory)
 
     @property
     def _winding(self) -> float:
@@ -984,6 +993,10 @@ def _load(face: TurnedContact) -> tuple[_State, ...]:
             break
         width, state = pressed.width, face._state(pressed)
         if state.mean_gap < _CLOSED * face.texture.crest_height:
+            break
+        # crests of two faces that are wide beside their distance push up more than is known of them
+        flat = state.pressure > _NEARLY_FLAT * face.contact_pressure
+        if flat or (states and state.mean_gap >= states[-1].mean_gap):
             break
         if state.pressure > 0.0:
             states.append(state)

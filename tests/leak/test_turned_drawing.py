@@ -4,6 +4,7 @@ import csv
 import math
 from collections import Counter
 
+import numpy as np
 import pytest
 import turned_drawing
 
@@ -53,3 +54,20 @@ def test_interval_of_a_drawing_holds_simulated_faces():
     # not by an interval without ends
     low, _, high = turned_drawing.interval(64)[0]
     assert high / low < 300.0
+
+
+PAIRS = [
+    (6.178672e-05, 3.1043016e-04, 0.294335, "50845.76 427572.9 3206572.3", 1.57067699e-26, 1.7434e-29),
+    (5.70065e-05, 2.6398335e-04, 0.150053, "55109.376 108978.286 3619565.3", 2.54014e-25, 1.09753e-30),
+]
+
+
+@pytest.mark.parametrize(("feed", "nose_radius", "phase", "q", "low", "high"), PAIRS)
+def test_pairs_of_crests_are_known_until_they_are_flat(feed, nose_radius, phase, q, low, high):
+    """Samples of small noses: crests are as wide as their distance, and the gap of the last level is wider."""
+    fine = leak.PowerSpectrum([float(one) for one in q.split()], [low, low, high])
+    pair = {"feed": feed, "nose_radius": nose_radius, "other": leak.Cusps(feed, nose_radius), "phase": phase}
+    face = leak.TurnedContact(**pair, fine=fine, effective_modulus=1.5e10 / 0.13, hardness=7.4e9, places=512)
+    law = face.interface_law(plastic=True)
+    gaps = law.gap(np.log(np.geomspace(1e6, 0.97 * face.contact_pressure, 60)))
+    assert np.all(np.diff(gaps) < 0.0) and gaps[-1] > 0.0
