@@ -515,28 +515,28 @@ class TurnedContact:
         harder = np.isfinite(log_p) & (log_top > log_p)
         if self.hardness is None or not np.any(harder):
             return result
-        known, rises = self._rises
+        known, drops = self._drops
         # a larger one than is known counts as the largest known one
         log_p = log_p[harder]
         log_top = np.clip(
             log_top[harder], log_p, np.maximum(log_p, np.minimum(known[-1], log_p + _FALLS[-1]))
         )
-        rise = rises(log_top - log_p)
+        drop = drops(log_top - log_p)
         at = np.interp(log_top, known, np.arange(known.size))
         lower, places = np.minimum(at.astype(int), known.size - 2), np.arange(at.size)
-        rise = rise[lower, places] + (at - lower) * (rise[lower + 1, places] - rise[lower, places])
-        result[harder] = np.clip(log_p + rise, log_p, log_top)
+        drop = drop[lower, places] + (at - lower) * (drop[lower + 1, places] - drop[lower, places])
+        result[harder] = np.clip(log_top - drop, log_p, log_top)
         return result
 
     @cached_property
-    def _rises(self) -> tuple[FloatArray, PchipInterpolator]:
-        """ln of the largest pressures, and of each of them ln(p*/p) over ln(largest/p)."""
+    def _drops(self) -> tuple[FloatArray, PchipInterpolator]:
+        """ln of the largest pressures, and of each of them ln(largest/p*) over ln(largest/p)."""
         from scipy.interpolate import PchipInterpolator
 
         from leak.theory.coined_crest import CoinedCrests
 
         share, states, lines = self._lost_share, self._path, self.lines
-        sealed, rises = _SEALED * states[0].gap_cubed, []
+        sealed, drops = _SEALED * states[0].gap_cubed, []
         # once nothing flows, a larger load changes little more
         states = states[: 1 + sum(state.gap_cubed > sealed for state in states)]
         for state in states:
@@ -552,9 +552,9 @@ class TurnedContact:
                 u = u ** (1.0 - share) * np.asarray(self._rough_table.effective_separation(acts)) ** share
             log_p = np.log(p)
             ends = log_p, np.full(p.size, log_p[0])
-            rise = bisect_roots(partial(self._lets_more_through, u), *ends)[1] - log_p
-            rises.append(PchipInterpolator(log_p[0] - log_p, rise)(_FALLS))
-        return np.log([state.pressure for state in states]), PchipInterpolator(_FALLS, rises, axis=1)
+            drop = log_p[0] - bisect_roots(partial(self._lets_more_through, u), *ends)[1]
+            drops.append(PchipInterpolator(log_p[0] - log_p, np.maximum.accumulate(drop))(_FALLS))
+        return np.log([state.pressure for state in states]), PchipInterpolator(_FALLS, drops, axis=1)
 
     def _lets_more_through(self, u: FloatArray, log_p: FloatArray) -> BoolArray:
         """Whether u_eff of first loading at ln(p/Pa) is above u [m]."""
