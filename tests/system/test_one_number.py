@@ -123,7 +123,7 @@ ASKED = {
     "relief valve": ("relief_valve", {"leak_rate": "25 ul/min"}),
     # asperities that yield, in two readings
     "interval": ("poppet_on_land", {"leak_rate": "1 ml/min"}),
-    "share": ("drawing_finish", {"leak_rate": "6 ml/min"}),
+    "share": ("drawing_finish", {"leak_rate": "0.15 ml/min"}),
 }
 
 
