@@ -52,7 +52,7 @@ BEST_PICTURES = (
 )
 # What is special about a case, where it is not its shape: the picture of its card.
 SPECIAL = {
-    "drawing_finish": "surface",
+    "drawing_finish": "law",
     "exponential_law": "law",
     "smooth": "stress",
     "relief_valve": "leak",

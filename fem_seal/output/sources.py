@@ -46,10 +46,9 @@ def sources(result: SealSolution) -> Iterator[Source]:
     result : SealSolution
     """
     parts = {name for name, is_used in features_used(result).items() if is_used}
-    flow = {"roughness", "flow"} <= parts
     for entry in prose()["sources"]:
         if "placeholder" in entry:
-            yield from _own_sources(result, entry["placeholder"]) if flow else ()
+            yield from _own_sources(result, entry["placeholder"]) if "flow" in parts else ()
         elif set(entry.get("when", ())) <= parts:
             yield Source(
                 entry["name"],
