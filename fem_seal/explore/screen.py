@@ -226,8 +226,8 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **fields: Any) 
     case, loads = solution.case, solution.loads
     number = highest_load(loads)
     # what is not known of a case widens the interval of a complete run, so that no verdict comes before it
-    bolts, finishes = solution.problem.loads.bolts, case.roughness and case.roughness.finishes
-    unknown = case.uncertainty is not None or bool(finishes or (bolts and bolts.scatter))
+    bolts, is_open = solution.problem.loads.bolts, case.roughness and case.roughness.leaves_open
+    unknown = case.uncertainty is not None or bool(is_open or (bolts and bolts.scatter))
     widens = unknown and not fields.get("complete")
     return Screen(
         dict(design),
