@@ -20,6 +20,7 @@ from leak.numerics.curves import MonotoneCurve, divide_stretches, sample_curve, 
 from leak.numerics.roots import MOST_STEPS, bisect_roots, root_of_rising
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.stretched import MOST_STRETCHED
+from leak.theory.bulk_flow import BulkFlow
 from leak.theory.interface_law import RoughSurfaceLaw, gap_law
 from leak.theory.own_error import FlowError, flow_error
 from leak.theory.persson import (
@@ -48,6 +49,8 @@ from leak.theory.plasticity import (
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
 
 _WIDTHS = ("effective", "plain")
+# From here on to the hardness itself all is flat.
+_BELOW_HARDNESS = 1.0 - 1e-9
 # Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
@@ -94,6 +97,8 @@ class RoughContact:
         one for a lay across the flow, as on a turned seat. `spectrum` is then the angular average, which alone
         enters the contact mechanics; gamma_T enters the flow, see `leak.flow.medium`. Flow in the other
         direction is that of 1/gamma_T [-].
+    bulk : BulkFlow, optional
+        Strain of the metal under the face, see `strained`.
 
     Raises
     ------
@@ -124,6 +129,7 @@ class RoughContact:
     gamma: float = field(default=0.45, kw_only=True)
     separation_width: str = field(default="effective", kw_only=True)
     peklenik: float = field(default=1.0, kw_only=True)
+    bulk: BulkFlow | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.spectrum, PowerSpectrum):
@@ -148,6 +154,10 @@ class RoughContact:
         ratio = positive(SurfaceError, "peklenik", self.peklenik, "-")
         if not 1.0 / MOST_STRETCHED <= ratio <= MOST_STRETCHED:
             raise SurfaceError(f"peklenik = {self.peklenik}: must lie between 0.001 and 1000 [-]")
+        if self.bulk is not None and (self.hardness is None or self.theory != "corrected"):
+            raise SurfaceError(
+                "bulk: only asperities that yield, by theory = 'corrected' with a hardness, are over metal that flows"
+            )
 
     # ---------------------------------------------------------------- variants
 
@@ -170,7 +180,54 @@ class RoughContact:
 
     @cached_property
     def _never_yielding(self) -> RoughContact:
-        return replace(self, hardness=None, yielding="")
+        return replace(self, hardness=None, yielding="", bulk=None)
+
+    def strained(self, meridional: float, hoop: float, *, yield_stress: float | None = None) -> RoughContact:
+        """The same surface over metal whose bulk is strained in the plane of the face, as far as it flows.
+
+        Where the bulk flows nothing elastic holds the asperities from below: they sink under a pressure of about the
+        yield stress. The strain is that of the softer body, from first loading on; another call replaces it.
+
+        Parameters
+        ----------
+        meridional, hoop : float
+            Total mean strain along the flow and across it, elastic part included [-].
+        yield_stress : float, optional
+            Of the asperities, a 2.9th of the hardness unless given [Pa].
+
+        Raises
+        ------
+        SurfaceError
+            Without a hardness, by the paper's theory, or a strain that is not between -1 and 1.
+
+        References
+        ----------
+        W. R. D. Wilson, S. Sheu, Int. J. Mech. Sci. 30, 475 (1988); M. P. F. Sutcliffe, Int. J. Mech. Sci. 30, 847
+        (1988); the numbers are those of direct simulations, `leak.theory.bulk_flow`.
+
+        Examples
+        --------
+        >>> spectrum = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=4e4, q_high=1e6)
+        >>> face = RoughContact(spectrum, effective_modulus=115e9, hardness=1e9, theory="corrected")
+        >>> bool(face.strained(0.01, 0.0).contact_area(1e8) > face.contact_area(1e8))
+        True
+        """
+        if self.hardness is None:
+            raise SurfaceError("hardness = None: only asperities that yield sink into metal that flows")
+        for name, strain in (("meridional", meridional), ("hoop", hoop)):
+            if not -1.0 < strain < 1.0:
+                raise SurfaceError(f"{name} = {strain}: must lie between -1 and 1 [-]")
+        bulk = BulkFlow.of(
+            meridional,
+            hoop,
+            rms_slope=self.spectrum.rms_slope,
+            yield_stress=None
+            if yield_stress is None
+            else positive(SurfaceError, "yield_stress", yield_stress, "Pa"),
+            hardness=self.hardness,
+            effective_modulus=self.effective_modulus,
+        )
+        return replace(self, bulk=bulk)
 
     @property
     def elastic(self) -> RoughContact:
@@ -194,7 +251,7 @@ class RoughContact:
         None where the theory is asked at the pressure itself.
         """
         if self.theory == "corrected":
-            paper = replace(self, hardness=None, theory="paper", yielding="")
+            paper = replace(self, hardness=None, theory="paper", yielding="", bulk=None)
             return paper if self.peklenik == 1.0 else _OfEqualGap(**vars(paper))
         return None if self.hardness is None or self.smoothed else self.elastic
 
@@ -274,6 +331,9 @@ class RoughContact:
         """Pressure at which the elastic surface has the gaps of the one that yields where it touches."""
         assert self.hardness is not None  # of all who ask
         bearing, sealing = self._elastic_pressures
+        if self.bulk is not None:
+            p = self._at_rest(p)
+            largest = None if largest is None else self._at_rest(largest)
         return equivalent_pressure(
             p,
             hardness=self.hardness,
@@ -284,6 +344,13 @@ class RoughContact:
             largest=largest,
             constants=CAPPED if self.theory == "paper" else VON_MISES,
         )
+
+    def _at_rest(self, p: FloatArray) -> FloatArray:
+        """Pressure at which the face over a bulk that is not strained lets as much through [Pa]."""
+        assert self.bulk is not None and self.hardness is not None  # of all who ask
+        parts = area_fractions(*self._yield_variables(p, None))
+        acts = self.bulk.pressure(parts.elastic + parts.plastic, p)
+        return np.where(p < self.hardness, np.minimum(acts, self.hardness * _BELOW_HARDNESS), p)
 
     def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
         """Pressure of first loading that leaves the gaps of a place which carries less than it once did.
@@ -359,7 +426,11 @@ class RoughContact:
             Nominal pressure, not negative [Pa].
         """
         most = 2.0 * pressure / (np.pi * self.effective_modulus * np.sqrt(self.spectrum.whole_moment))
-        return float(most if self.hardness is None else most + pressure / self.hardness)
+        most = most if self.hardness is None else most + pressure / self.hardness
+        most = float(most)
+        return (
+            most if self.bulk is None else float(self.bulk.area(np.array(min(most, 1.0)), np.array(pressure)))
+        )
 
     def corrected_contact_area(self, pressure: ArrayLike) -> FloatArray | float:
         """A/A0 of all the roughness, corrected as in `leak.flow.medium.corrected_area`.
@@ -370,7 +441,7 @@ class RoughContact:
         p = 0, one from the hardness on.
         """
         p = _checked_pressure(pressure)
-        most = math.inf if self.hardness is None else self.hardness * (1.0 - 1e-9)
+        most = math.inf if self.hardness is None else self.hardness * _BELOW_HARDNESS
         acts = self._elastic_pressure(np.minimum(p, most)).ravel()
         area = self._corrected_area(acts, self._roughness_at(acts)).reshape(p.shape)
         return _scalar(np.where(p < most, np.where(p > 0.0, area, 0.0), 1.0))
@@ -385,7 +456,11 @@ class RoughContact:
 
     def _area_fractions(self, pressure: ArrayLike, wavenumber: ArrayLike | None) -> AreaFractions:
         if self.hardness is not None:
-            return area_fractions(*self._yield_variables(pressure, wavenumber))
+            parts = area_fractions(*self._yield_variables(pressure, wavenumber))
+            if self.bulk is None:
+                return parts
+            touched = self.bulk.area(parts.elastic + parts.plastic, _checked_pressure(pressure))
+            return AreaFractions(parts.elastic, touched - parts.elastic, 1.0 - touched)
         moment = self._slope_moment(wavenumber)
         elastic = relative_contact_area(_checked_pressure(pressure), moment, self.effective_modulus)
         return AreaFractions(elastic, 0.0 * elastic, 1.0 - elastic)
@@ -622,7 +697,14 @@ class RoughContact:
         if self.hardness is None:
             return flow_error(relative, area, waves=waves)
         yield_share = 1.0 - p / self._elastic_pressure(p)
-        return flow_error(relative, np.maximum(area, self.contact_area(p)), waves=waves, yielded=yield_share)
+        touched = np.asarray(self.contact_area(p))
+        error = flow_error(relative, np.maximum(area, touched), waves=waves, yielded=yield_share)
+        if self.bulk is None:
+            return error
+        at_rest = replace(self, bulk=None).contact_area(p)
+        sunk = (self.bulk.constants.spread * (1.0 - np.asarray(at_rest) / touched)) ** 2
+        parts = {**error.parts, "bulk flow": sunk}
+        return FlowError(error.bias, np.sqrt(error.spread**2 + sunk), parts)
 
     @cached_property
     def sealing_pressure(self) -> float:
@@ -728,7 +810,7 @@ class RoughContact:
         least = _LEAST_RELATIVE_PRESSURE * self.effective_modulus
         usual, tiny = flat > least, (flat > 0.0) & ~(flat > least)
         if self.hardness is not None:
-            is_flat = flat >= self.hardness * (1.0 - 1e-9)
+            is_flat = flat >= self.hardness * _BELOW_HARDNESS
             values[is_flat] = 0.0
             usual &= ~is_flat
         index = np.flatnonzero(usual)
