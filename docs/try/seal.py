@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import leak
+from leak.flow.turned_contact import calculated_table
 
 # Steel on steel. The profile reaches so many standard deviations to both sides.
 E_STAR, REACH, POINTS = 210e9 / 1.82, 6.0, 241
@@ -66,9 +67,19 @@ class Seal:
             2.0 * math.pi * r0 * math.cos(self.angle)
         )
 
-    def line(self, surface: leak.RoughContact) -> leak.CrossoverLine:
+    def surface(self, finished: leak.FinishedSurface) -> leak.RoughContact | leak.TurnedContact:
+        """The seat on a smooth ball: crests of a turned one, a rough surface of the others."""
+        metal = {"effective_modulus": E_STAR, "hardness": self.hardness}
+        if texture := finished.texture:
+            crests = {"feed": texture.feed, "nose_radius": texture.nose_radius, "fine": texture.fine}
+            return leak.TurnedContact(**crests, thread_radius=self.contact_radius, **metal)
+        return leak.RoughContact(finished.spectrum, theory="corrected", peklenik=finished.peklenik, **metal)
+
+    def line(self, surface: leak.RoughContact | leak.TurnedContact) -> leak.CrossoverLine:
         """Contact pressure across the contact."""
-        law, u0 = surface.interface_law(), surface.spectrum.rms_height
+        # crests yield before a contact begins to count
+        law = surface.interface_law(plastic=isinstance(surface, leak.TurnedContact))
+        u0 = surface.spectrum.rms_height
         for _ in range(12):
             peak = leak.crossover_line(self.line_load, self.radius, E_STAR, u0).peak_pressure
             u0 = float(law.decay_length(np.array([math.log(peak)]))[0])
@@ -78,22 +89,21 @@ class Seal:
         self, finished: leak.FinishedSurface
     ) -> tuple[leak.LeakResult, leak.CrossoverLine, leak.FlowError]:
         """Flow through one surface, its contact, and what direct simulation may find over that flow."""
-        surface = leak.RoughContact(
-            finished.spectrum, effective_modulus=E_STAR, hardness=self.hardness, theory="corrected",
-            peklenik=finished.peklenik,
-        )  # fmt: skip
+        surface = self.surface(finished)
         line = self.line(surface)
         x = np.linspace(-REACH, REACH, POINTS) * line.std
         p, r = line.pressure(x), self.contact_radius + x * math.cos(self.angle)
         # nine decades below the peak nothing of the resistance is left
         ends = 1e-9 * p.max(), 1.01 * p.max()
-        if leak.is_gas(self.fluid):
-            table = leak.in_contact(surface, leak.gas_conductivity_table(surface, *ends), x, p)
+        table = calculated_table(surface, *ends, of_gas=leak.is_gas(self.fluid))
+        if isinstance(surface, leak.RoughContact):
+            table = leak.in_contact(surface, table, x, p)
+        if isinstance(table, leak.GasConductivityTable):
             inlet, gas = self.fluid_pressure + ATMOSPHERE, leak.gas(self.fluid)
             flow: leak.LeakResult = leak.gas_leak_flow(x, p, table, gas, inlet, ATMOSPHERE, r)
         else:
             liquid = leak.liquid(self.fluid)
-            sigma = leak.in_contact(surface, surface.conductivity_table(*ends), x, p).at(liquid.viscosity)
+            sigma = table.at(liquid.viscosity)
             flow = leak.leak_flow(x, p, sigma, self.fluid_pressure, r, pressure_law=liquid.pressure_law)
         wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
         waves = line.fwhm * 2.0 * math.pi * self.contact_radius / wavelength**2

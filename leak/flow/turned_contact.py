@@ -1041,7 +1041,7 @@ FaceContact: TypeAlias = RoughContact | TurnedContact
 
 
 def calculated_table(
-    surface: FaceContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
+    surface: FaceContact, p_min: float, p_max: float, num: int | None = None, *, of_gas: bool
 ) -> AnyTable:
     """Flow conductivity of faces of any kind over a range of contact pressures.
 
