@@ -23,7 +23,7 @@ class BulkFlowConstants(NamedTuple):
 
     Examples
     --------
-    >>> BulkFlowConstants().power < 1.0
+    >>> BulkFlowConstants().delay < 1.0
     True
     """
 
