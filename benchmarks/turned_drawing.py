@@ -99,9 +99,7 @@ def interval(samples: int = SAMPLES) -> np.ndarray:
     for row in uniform:
         crests = finish.surface(dict(zip(names, row, strict=True))).texture
         assert crests is not None
-        of = leak.TurnedContact(
-            feed=crests.feed, nose_radius=crests.nose_radius, fine=crests.fine, places=512, **METAL
-        )
+        of = leak.TurnedContact(feed=crests.feed, nose_radius=crests.nose_radius, fine=crests.fine, **METAL)
         k = [float(of.flow_conductivity(p, 1.0 / 12.0)) * of.flow_error(p).factor(places) for p in PRESSURES]
         rates.append(k)
     tail = 0.5 - 0.5 * CONFIDENCE

@@ -52,8 +52,6 @@ KnownRates: TypeAlias = dict[tuple[int, int, bool], FloatArray | ConvergenceErro
 _AT_ONCE = 8
 # Samples whose heights say how rough the roughest are.
 _OF_HEIGHTS = 64
-# Places along the crests of a turned face in a sample.
-_PLACES = 512
 # Share of the samples that must converge where some may fail.
 _FEWEST_CONVERGED = 0.7
 
@@ -252,10 +250,7 @@ def sample_problem(
             mean = means[key] if key in means else case.roughness.parts[key].build()
             fine = uncertain.spectrum(fine_of(mean), float(value[0]))
             means[key] = replace(mean, fine=fine) if isinstance(mean, TurnedTexture) else fine
-    changed = changed_problem(problem, case, factors, means, shares)
-    if isinstance(changed.surface, TurnedContact):
-        return replace(changed, surface=replace(changed.surface, places=_PLACES))
-    return changed
+    return changed_problem(problem, case, factors, means, shares)
 
 
 def changed_problem(

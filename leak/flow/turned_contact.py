@@ -112,9 +112,6 @@ class TurnedContact:
     thread_radius : float
         r_0 of a contact through which the thread between the crests leads, which its tables include [m]; infinite for
         rings.
-    places : int
-        Along each piece of crest that is calculated, 1024 with eight pieces; 512 with four take a quarter of the time
-        and have twice the scatter.
 
     Raises
     ------
@@ -139,7 +136,6 @@ class TurnedContact:
     effective_modulus: float = field(kw_only=True)
     hardness: float | None = field(default=None, kw_only=True)
     thread_radius: float = field(default=math.inf, kw_only=True)
-    places: int = field(default=_PLACES, kw_only=True)
     theory: ClassVar[str] = "turned"
     peklenik: ClassVar[float] = 1.0
 
@@ -288,13 +284,13 @@ class TurnedContact:
             _LEAST_POINTS * spacing + (_DEPTH * fine.rms_height + max(heights) - min(heights)) / slope,
         )
         across = np.arange(-int(reach / spacing), int(reach / spacing) + 1)
-        rows, places = max(_PIECES * self.places // (_PLACES * len(crests)), 1), self.places
+        rows = max(_PIECES // len(crests), 1)
         # what the highest crests of all let through must not be chance
         maps = 1 if self.crest_scatter == 0.0 else _MAPS
         pieces = [
-            rough[:, (row * (places // rows) + round(crest.place / spacing) + across) % places]
+            rough[:, (row * (_PLACES // rows) + round(crest.place / spacing) + across) % _PLACES]
             - self._cusp(crest, np.asarray(across * spacing))
-            for rough in (_heights_of(fine, spacing, places, _SEED + number) for number in range(maps))
+            for rough in (_heights_of(fine, spacing, _SEED + number) for number in range(maps))
             for row in range(rows)
             for crest in crests
         ]
@@ -973,8 +969,8 @@ class TurnedContact:
 
 # crests that yield and those that do not are of one roughness
 @lru_cache(maxsize=_MAPS)
-def _heights_of(fine: PowerSpectrum, spacing: float, places: int, seed: int) -> FloatArray:
-    return random_map(fine, size=places * spacing, points=places, seed=seed)
+def _heights_of(fine: PowerSpectrum, spacing: float, seed: int) -> FloatArray:
+    return random_map(fine, size=_PLACES * spacing, points=_PLACES, seed=seed)
 
 
 @lru_cache(maxsize=32)

@@ -200,7 +200,7 @@ class TurnedTexture:
             raise SurfaceError(f"phase = {self.phase!r}: must be 0 to 1 [-]")
 
     @property
-    def shape(self) -> tuple[float, ...]:
+    def key_numbers(self) -> tuple[float, ...]:
         """All that it is without the fine roughness."""
         return tuple(self.own) if self.other is None else (*self.own, *self.other, self.phase)
 

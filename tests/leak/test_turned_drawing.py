@@ -67,7 +67,7 @@ def test_pairs_of_crests_are_known_until_they_are_flat(feed, nose_radius, phase,
     """Samples of small noses: crests are as wide as their distance, and the gap of the last level is wider."""
     fine = leak.PowerSpectrum([float(one) for one in q.split()], [low, low, high])
     pair = {"feed": feed, "nose_radius": nose_radius, "other": leak.Cusps(feed, nose_radius), "phase": phase}
-    face = leak.TurnedContact(**pair, fine=fine, effective_modulus=1.5e10 / 0.13, hardness=7.4e9, places=512)
+    face = leak.TurnedContact(**pair, fine=fine, effective_modulus=1.5e10 / 0.13, hardness=7.4e9)
     law = face.interface_law(plastic=True)
     gaps = law.gap(np.log(np.geomspace(1e6, 0.97 * face.contact_pressure, 60)))
     assert np.all(np.diff(gaps) < 0.0) and gaps[-1] > 0.0
