@@ -24,7 +24,7 @@ from scipy.optimize import least_squares
 
 import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press_elastoplastic
-from leak.theory.bulk_flow import BULK_FLOW, BulkFlow, BulkFlowConstants
+from leak.theory.bulk_flow import BULK_FLOW, BulkFlow, BulkFlowConstants, BulkStrain
 
 TABLE = Path(__file__).with_name("bulk_flow.csv")
 MODES = {"x": (1, 0), "-x": (-1, 0), "xy": (1, 1), "x-y": (1, -1), "-xy": (-1, -1)}
@@ -87,7 +87,7 @@ def theory(state: State, constants: BulkFlowConstants = BULK_FLOW) -> tuple[floa
     area, ratios = float(np.asarray(rest.contact_area(p))), []
     for strains in (state.strains, state.strains[::-1]):
         bulk = BulkFlow.of(
-            *strains,
+            BulkStrain(*strains),
             rms_slope=rest.spectrum.rms_slope,
             hardness=rest.hardness,
             effective_modulus=rest.effective_modulus,

@@ -369,7 +369,7 @@ class DirectSimulation:
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
         surface, patch, spectrum = self.surface, self.patch, self.patch.grid_spectrum
-        shape = surface.texture.key_numbers if isinstance(surface, TurnedContact) else surface.peklenik
+        shape = surface.texture.cusp_parameters if isinstance(surface, TurnedContact) else surface.peklenik
         flow = self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP, piece.unload
         yields = surface.hardness if self.settings.yield_stress is None else flow
         about = [

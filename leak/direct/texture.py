@@ -19,6 +19,7 @@ from leak.errors import DirectError, positive
 from leak.surfaces.ground import GroundTexture
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import TurnedTexture
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 
 Texture: TypeAlias = TurnedTexture | GroundTexture
 # On the shortest wave of the fine roughness.
@@ -272,7 +273,7 @@ def simulate_texture(
             path.tolist(),
             yield_stress=yield_stress,
             # 0.025 of a hardness of 2.9 yield stresses: conductivities are 3 to 9 % low, see `press_elastoplastic`
-            longest_step=0.025 * 2.9 * yield_stress,
+            longest_step=0.025 * HARDNESS_OVER_YIELD_STRESS * yield_stress,
             poissons_ratio=poissons_ratio,
         ):
             yield PressedPatch.of(state.contact, periodic=True)._replace(yielded_area=state.yielded_area)

@@ -200,8 +200,8 @@ class TurnedTexture:
             raise SurfaceError(f"phase = {self.phase!r}: must be 0 to 1 [-]")
 
     @property
-    def key_numbers(self) -> tuple[float, ...]:
-        """All that it is without the fine roughness."""
+    def cusp_parameters(self) -> tuple[float, ...]:
+        """Feed and nose radius [m]; of two faces also those of the other one [m], and the phase [-]."""
         return tuple(self.own) if self.other is None else (*self.own, *self.other, self.phase)
 
     @property
@@ -419,5 +419,6 @@ def _checked_cusps(where: str, cusps: Cusps) -> None:
     r = positive(SurfaceError, f"{where}nose_radius", cusps.nose_radius, "m")
     if f >= r:
         raise SurfaceError(
-            f"{where}feed = {f:g} m: must be below the nose radius, {r:g} m; cusps are flat parabolas"
+            f"{where}feed = {f:g} m: must be below the nose radius, {r:g} m; "
+            "take a shorter feed or a rounder nose"
         )

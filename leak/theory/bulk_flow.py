@@ -30,7 +30,7 @@ class BulkFlowConstants(NamedTuple):
     rate: float = 10.9
     """K, of strain that makes one direction as much wider as the other one narrower."""
     load: float = 0.8
-    """b"""
+    """b, by how much the growth of the area over the load falls with the load."""
     softness: float = 4.8
     """By how much slower the area grows, over H/(E* h'): part of it is elastic."""
     delay: float = 0.5
@@ -55,13 +55,34 @@ HARDNESS_OVER_YIELD_STRESS = 2.9
 _POISSON = 0.3
 
 
+class BulkStrain(NamedTuple):
+    """Strain of the metal under a face, elastic part included.
+
+    Parameters
+    ----------
+    meridional, hoop : float
+        Along the flow and across it [-].
+    yield_stress : float, optional
+        Of the asperities, in place of a 2.9th of the hardness [Pa].
+
+    Examples
+    --------
+    >>> BulkStrain(0.01, 0.0).yield_stress is None
+    True
+    """
+
+    meridional: float
+    hoop: float
+    yield_stress: float | None = None
+
+
 class BulkFlow(NamedTuple):
-    """Strain of the metal under a face.
+    """What a strained bulk does to the asperities of a face.
 
     Parameters
     ----------
     strain : float
-        That flattens, over the rms slope of the face, see `flattening` [-].
+        Plastic strain that flattens, over the rms slope of the face, see `of` [-].
     direction : float
         1 where all of it is along the flow, -1 across it [-].
     hardness : float
@@ -83,35 +104,29 @@ class BulkFlow(NamedTuple):
     @classmethod
     def of(
         cls,
-        meridional: float,
-        hoop: float,
+        strain: BulkStrain,
         *,
         rms_slope: float,
         hardness: float,
         effective_modulus: float,
-        yield_stress: float | None = None,
         constants: BulkFlowConstants = BULK_FLOW,
-    ) -> BulkFlow | None:
-        """Of the total strain in the plane, elastic part included; None where it flattens nothing.
+    ) -> BulkFlow:
+        """Of a strain that is not zero.
 
         Parameters
         ----------
-        meridional, hoop : float
-            Along the flow and across it [-].
+        strain : BulkStrain
         rms_slope : float
             h' of the face [-].
         hardness : float
             Of the asperities [Pa].
         effective_modulus : float
             E* of a solid on a rigid one, whose Poisson's ratio is 0.3 [Pa].
-        yield_stress : float, optional
-            Of the asperities, in place of a 2.9th of the hardness [Pa].
         constants : BulkFlowConstants
         """
+        meridional, hoop, yield_stress = strain
         c = constants
         square = meridional**2 + hoop**2 + meridional * hoop
-        if square <= 0.0:
-            return None
         stress = hardness / HARDNESS_OVER_YIELD_STRESS if yield_stress is None else yield_stress
         # of metal that keeps its volume, and the same where it begins to yield
         equivalent = 2.0 / math.sqrt(3.0) * math.sqrt(square)
@@ -121,8 +136,8 @@ class BulkFlow(NamedTuple):
         rate = 1.0 + c.wider * max(wider, 0.0) + c.narrower * max(-wider, 0.0)
         direction = (meridional**2 - hoop**2) / square
         softer = 1.0 + c.softness * HARDNESS_OVER_YIELD_STRESS * stress / (effective_modulus * rms_slope)
-        strain = plastic * rate / softer / rms_slope
-        return cls(strain, direction, HARDNESS_OVER_YIELD_STRESS * stress, c)
+        flattening = plastic * rate / softer / rms_slope
+        return cls(flattening, direction, HARDNESS_OVER_YIELD_STRESS * stress, c)
 
     def area(self, area: FloatArray, pressure: FloatArray) -> FloatArray:
         """A/A0 from that over a bulk that is not strained [-].
