@@ -51,6 +51,8 @@ from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
 _WIDTHS = ("effective", "plain")
 # From here on to the hardness itself all is flat.
 _BELOW_HARDNESS = 1.0 - 1e-9
+# ln(p/hardness) between which the area touched is interpolated where the bulk flows; below them it goes with p.
+_LOG_SHARES = np.linspace(-14.0, 0.0, 71)
 # Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
@@ -225,14 +227,44 @@ class RoughContact:
 
     @cached_property
     def _bulk_flow(self) -> BulkFlow | None:
-        if self.bulk is None or self.hardness is None:
-            return None
+        return None if self.bulk is None else self._flow_of(self.bulk)
+
+    def _flow_of(self, bulk: BulkStrain) -> BulkFlow:
+        assert self.hardness is not None  # of all who ask
         return BulkFlow.of(
-            self.bulk,
+            bulk,
             rms_slope=self.spectrum.rms_slope,
             hardness=self.hardness,
             effective_modulus=self.effective_modulus,
         )
+
+    def pressure_at_rest(self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike) -> FloatArray:
+        """Pressure at which the face over a bulk that is not strained lets as much through.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal [Pa].
+        meridional, hoop : array_like
+            Strain of the bulk at each of them, see `strained`; it counts for asperities that yield, by the corrected
+            theory [-].
+
+        Returns
+        -------
+        ndarray
+            Of the broadcast shape, not below the pressure [Pa].
+
+        Examples
+        --------
+        >>> spectrum = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=4e4, q_high=1e6)
+        >>> face = RoughContact(spectrum, effective_modulus=115e9, hardness=1e9, theory="corrected")
+        >>> bool(face.pressure_at_rest(1e8, 0.01, 0.0) > 1e8)
+        True
+        """
+        p, m, h = np.broadcast_arrays(_checked_pressure(pressure), np.asarray(meridional), np.asarray(hoop))
+        if self.hardness is None or self.theory != "corrected":
+            return np.array(p)
+        return self._at_rest(p, self._flow_of(BulkStrain(m, h)))
 
     @property
     def elastic(self) -> RoughContact:
@@ -337,8 +369,8 @@ class RoughContact:
         assert self.hardness is not None  # of all who ask
         bearing, sealing = self._elastic_pressures
         if self._bulk_flow is not None:
-            p = self._at_rest(p)
-            largest = None if largest is None else self._at_rest(largest)
+            p = self._at_rest(p, self._bulk_flow)
+            largest = None if largest is None else self._at_rest(largest, self._bulk_flow)
         return equivalent_pressure(
             p,
             hardness=self.hardness,
@@ -350,12 +382,21 @@ class RoughContact:
             constants=CAPPED if self.theory == "paper" else VON_MISES,
         )
 
-    def _at_rest(self, p: FloatArray) -> FloatArray:
-        """Pressure at which the face over a bulk that is not strained lets as much through [Pa]."""
-        assert self._bulk_flow is not None and self.hardness is not None  # of all who ask
-        parts = area_fractions(*self._yield_variables(p, None))
-        acts = self._bulk_flow.pressure(parts.elastic + parts.plastic, p)
+    def _at_rest(self, p: FloatArray, flow: BulkFlow) -> FloatArray:
+        """`pressure_at_rest` over one bulk [Pa]."""
+        assert self.hardness is not None  # of all who ask
+        with np.errstate(divide="ignore"):
+            log_share = np.log(p / self.hardness)
+        acts = flow.pressure(np.exp(self._area_curve.value(np.minimum(log_share, 0.0))), p)
         return np.where(p < self.hardness, np.minimum(acts, self.hardness * _BELOW_HARDNESS), p)
+
+    @cached_property
+    def _area_curve(self) -> MonotoneCurve:
+        """ln(A/A0) over ln(p/hardness) of the face over a bulk that is not strained."""
+        assert self.hardness is not None  # of all who ask
+        parts = area_fractions(*self._yield_variables(self.hardness * np.exp(_LOG_SHARES), None))
+        log_area = np.log(parts.elastic + parts.plastic)
+        return MonotoneCurve(_LOG_SHARES, log_area, spline_slopes(_LOG_SHARES, log_area))
 
     def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
         """Pressure of first loading that leaves the gaps of a place which carries less than it once did.

@@ -60,8 +60,8 @@ class BulkStrain(NamedTuple):
 
     Parameters
     ----------
-    meridional, hoop : float
-        Along the flow and across it [-].
+    meridional, hoop : float or ndarray
+        Along the flow and across it, of one place or of many [-].
     yield_stress : float, optional
         Of the asperities, in place of a 2.9th of the hardness [Pa].
 
@@ -71,19 +71,19 @@ class BulkStrain(NamedTuple):
     True
     """
 
-    meridional: float
-    hoop: float
+    meridional: FloatArray | float
+    hoop: FloatArray | float
     yield_stress: float | None = None
 
 
 class BulkFlow(NamedTuple):
-    """What a strained bulk does to the asperities of a face.
+    """What a strained bulk does to the asperities of a face, at one place or at many.
 
     Parameters
     ----------
-    strain : float
+    strain : ndarray
         Plastic strain that flattens, over the rms slope of the face, see `of` [-].
-    direction : float
+    direction : ndarray
         1 where all of it is along the flow, -1 across it [-].
     hardness : float
         Of the asperities, 2.9 times their yield stress [Pa].
@@ -96,8 +96,8 @@ class BulkFlow(NamedTuple):
     True
     """
 
-    strain: float
-    direction: float
+    strain: FloatArray | float
+    direction: FloatArray | float
     hardness: float
     constants: BulkFlowConstants = BULK_FLOW
 
@@ -111,7 +111,7 @@ class BulkFlow(NamedTuple):
         effective_modulus: float,
         constants: BulkFlowConstants = BULK_FLOW,
     ) -> BulkFlow:
-        """Of a strain that is not zero.
+        """Of strains, zero at places that have none.
 
         Parameters
         ----------
@@ -125,16 +125,17 @@ class BulkFlow(NamedTuple):
         constants : BulkFlowConstants
         """
         meridional, hoop, yield_stress = strain
-        c = constants
+        c, meridional, hoop = constants, np.asarray(meridional), np.asarray(hoop)
         square = meridional**2 + hoop**2 + meridional * hoop
         stress = hardness / HARDNESS_OVER_YIELD_STRESS if yield_stress is None else yield_stress
         # of metal that keeps its volume, and the same where it begins to yield
-        equivalent = 2.0 / math.sqrt(3.0) * math.sqrt(square)
+        equivalent = 2.0 / math.sqrt(3.0) * np.sqrt(square)
         late = c.delay * 2.0 * (1.0 + _POISSON) / 3.0 * stress / ((1.0 - _POISSON**2) * effective_modulus)
-        wider = (meridional + hoop) / equivalent
-        plastic = math.hypot(equivalent, late) - late
-        rate = 1.0 + c.wider * max(wider, 0.0) + c.narrower * max(-wider, 0.0)
-        direction = (meridional**2 - hoop**2) / square
+        some = square > 0.0
+        wider = np.divide(meridional + hoop, equivalent, out=np.zeros(some.shape), where=some)
+        plastic = np.hypot(equivalent, late) - late
+        rate = 1.0 + c.wider * np.maximum(wider, 0.0) + c.narrower * np.maximum(-wider, 0.0)
+        direction = np.divide(meridional**2 - hoop**2, square, out=np.zeros(some.shape), where=some)
         softer = 1.0 + c.softness * HARDNESS_OVER_YIELD_STRESS * stress / (effective_modulus * rms_slope)
         flattening = plastic * rate / softer / rms_slope
         return cls(flattening, direction, HARDNESS_OVER_YIELD_STRESS * stress, c)

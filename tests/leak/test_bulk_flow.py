@@ -143,3 +143,27 @@ def test_another_code_flattens_alike():
     assert len(area) > 30
     assert np.sqrt(np.mean(np.square(area))) < 0.15
     assert np.sqrt(np.mean(np.square(flow))) < 0.35
+
+
+def test_pressure_at_rest_lets_as_much_through_at_many_places_at_once() -> None:
+    surface = face()
+    p, meridional, hoop = np.array([2e7, 1e8, 2e8, 1e8]), np.array([0.01, -0.02, 0.0, 0.0]), np.zeros(4)
+    at_rest = surface.pressure_at_rest(p, meridional, hoop)
+    for place in range(4):
+        strained = surface.strained(meridional[place], hoop[place])
+        assert surface.flow_conductivity(at_rest[place], 1e-3) == pytest.approx(
+            float(strained.flow_conductivity(p[place], 1e-3)), rel=1e-12
+        )
+    assert at_rest[2:].tolist() == p[2:].tolist()
+    elastic = surface.elastic
+    assert elastic.pressure_at_rest(p, meridional, hoop).tolist() == p.tolist()
+
+
+def test_area_at_rest_is_interpolated_closely() -> None:
+    for hardness in (1e8, 1e9, 2e10):
+        surface = leak.RoughContact(
+            face().spectrum, effective_modulus=115e9, hardness=hardness, theory="corrected"
+        )
+        p = hardness * np.geomspace(1e-7, 0.999, 50)
+        area = np.exp(surface._area_curve.value(np.log(p / hardness)))
+        assert area == pytest.approx(np.asarray(surface.contact_area(p)), rel=1e-4)
