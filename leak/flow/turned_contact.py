@@ -19,6 +19,7 @@ from leak.numerics.roots import bisect_roots
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import Crest, Cusps, TurnedTexture
+from leak.theory.bulk_flow import BulkFlow, BulkStrain
 from leak.theory.crest_line import CrestLines, PressedCrests, of_each
 from leak.theory.interface_law import TabulatedLaw
 from leak.theory.own_error import FlowError
@@ -62,8 +63,9 @@ _BEFORE_TOUCH, _BETWEEN, _BEYOND, _NOMINAL, _NEARLY_FLAT = 3, 4, 8, 200, 0.9
 _BEARS, _NEARLY = 5e-3, 3e-3
 # Standard deviation of ln(direct/theory) over the decades by which the conductivity has fallen since the first touch,
 # and of a median wave of crest; mean, and that of crests half lost in the fine roughness: `benchmarks/turned_error.py`.
+# Factor on the strain of the bulk by which what it does is not known.
 _FALLEN, _SPREAD = (0.0, 1.5, 2.25, 3.75, 4.75), (0.2, 0.2, 0.42, 0.42, 2.0)
-_OPEN_PLACES, _FEWER_PLACES, _MEAN, _HALF_LOST = 0.61, 0.24, -0.1, 0.69
+_OPEN_PLACES, _FEWER_PLACES, _MEAN, _HALF_LOST, _STRAIN_FACTOR = 0.61, 0.24, -0.1, 0.69, 1.3
 # Inverse Knudsen numbers of u_eff in the table of a gas, and of the gaps of throats.
 _LOG_D = -2.6 + 4.5 * np.sinh(np.linspace(-1.436, 1.693, 44))
 _LOG_THROAT = np.linspace(math.log(1e-9), math.log(1e8), 1600)
@@ -250,8 +252,13 @@ class TurnedContact:
     @property
     def _elastic_contact_pressure(self) -> float:
         """E* m'/2 [Pa]."""
+        return 0.5 * self.effective_modulus * self._slope_across
+
+    @property
+    def _slope_across(self) -> float:
+        """m' [-]."""
         sides = sum(crest.slope for crest in self._crests) / len(self._crests)
-        return 0.5 * self.effective_modulus * math.hypot(sides, self._resolved.rms_slope / math.sqrt(2.0))
+        return math.hypot(sides, self._resolved.rms_slope / math.sqrt(2.0))
 
     @property
     def _yielded_share(self) -> float:
@@ -502,11 +509,60 @@ class TurnedContact:
         with np.errstate(divide="ignore"):
             return np.exp(memory.first_loading(np.log(_checked(pressure)), np.log(_checked(largest))))
 
-    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
+    def pressure_at_rest(self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike) -> FloatArray:
+        """Pressure at which the face over a bulk that is not strained lets as much through across its crests.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal [Pa].
+        meridional, hoop : array_like
+            Strain of the bulk at each of them, along the flow and along the crests, see `RoughContact.strained`; it
+            counts for crests that yield [-].
+
+        Returns
+        -------
+        ndarray
+            Of the broadcast shape, not below the pressure [Pa].
+
+        Examples
+        --------
+        >>> fine = PowerSpectrum.self_affine(rms_height=1e-7, hurst=0.8, q_low=3e4, q_rolloff=2.5e5, q_high=4e6)
+        >>> face = TurnedContact(feed=1e-4, nose_radius=8e-4, fine=fine, effective_modulus=115e9, hardness=3.5e9)
+        >>> bool(face.pressure_at_rest(25e6, 0.01, 0.0) > 40e6)
+        True
+        """
+        p, m, h = np.broadcast_arrays(_checked(pressure), np.asarray(meridional), np.asarray(hoop))
+        if self.hardness is None:
+            return np.array(p)
+        share = self._lost_share
+        rough = self._rough.pressure_at_rest(p, m, h) if share > 0.0 else p
+        acts = self._bulk_flow(m, h).pressure(np.asarray(self.contact_area(p)), p)
+        crests = np.maximum(np.minimum(acts, _NEARLY_FLAT * self.contact_pressure), p)
+        return np.asarray(crests ** (1.0 - share) * rough**share)
+
+    def _bulk_flow(self, meridional: FloatArray, hoop: FloatArray) -> BulkFlow:
+        assert self.hardness is not None  # of all who ask
+        return BulkFlow.of(
+            BulkStrain(meridional, hoop),
+            rms_slope=self._slope_across,
+            hardness=self.hardness,
+            effective_modulus=self.effective_modulus,
+        )
+
+    def first_loading(
+        self, log_pressure: ArrayLike, log_largest: ArrayLike, strain: FloatArray | None = None
+    ) -> FloatArray:
         """See `leak.flow.conductivity.LoadMemory.first_loading`; of crests that stand out of the fine roughness."""
         log_p, log_top = np.broadcast_arrays(
             np.asarray(log_pressure, dtype=float), np.asarray(log_largest, dtype=float)
         )
+        if strain is not None:
+            with np.errstate(divide="ignore"):
+                log_p, log_top = (
+                    np.log(self.pressure_at_rest(np.exp(x), strain[..., 0], strain[..., 1]))
+                    for x in (log_p, log_top)
+                )
         result = np.array(log_p)
         harder = np.isfinite(log_p) & (log_top > log_p)
         if self.hardness is None or not np.any(harder):
@@ -556,9 +612,17 @@ class TurnedContact:
         """Whether u_eff of first loading at ln(p/Pa) is above u [m]."""
         return self._table.at_log_pressure(log_p) > u
 
-    def _acts(self, pressure: ArrayLike, largest: ArrayLike | None) -> FloatArray:
-        """Pressure of first loading that stands for what acts after a larger one [Pa]."""
+    def _acts(
+        self,
+        pressure: ArrayLike,
+        largest: ArrayLike | None,
+        strain: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> FloatArray:
+        """Pressure of first loading that stands for what acts after a larger one, over a strained bulk [Pa]."""
         p = _checked(pressure)
+        if strain is not None:
+            p = self.pressure_at_rest(p, *strain)
+            largest = None if largest is None else self.pressure_at_rest(largest, *strain)
         return p if largest is None else self.equivalent_first_loading_pressure(p, largest)
 
     def mean_separation(self, pressure: ArrayLike, *, largest: ArrayLike | None = None) -> FloatArray | float:
@@ -894,7 +958,12 @@ class TurnedContact:
         return self._table.conductivity(self._acts(pressure, largest), viscosity)
 
     def flow_error(
-        self, pressure: ArrayLike, *, waves: float = math.inf, largest: ArrayLike | None = None
+        self,
+        pressure: ArrayLike,
+        *,
+        waves: float = math.inf,
+        largest: ArrayLike | None = None,
+        strain: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> FlowError:
         """How far the flow conductivity may be from direct simulation; wide where the face is nearly sealed.
 
@@ -911,6 +980,8 @@ class TurnedContact:
         largest : array_like, optional
             Largest nominal pressure that the place has carried [Pa]. What opens again depends on what was pressed flat
             then: as far as crests yield the spread is that of first loading under this pressure.
+        strain : tuple of array_like, optional
+            Of the bulk, see `pressure_at_rest`; what its law is not known by widens the spread [-].
 
         References
         ----------
@@ -919,11 +990,11 @@ class TurnedContact:
         if not waves > 0.0:
             raise ConductivityError(f"waves = {waves}: must be positive [-]")
         share = self._lost_share
-        p = self._acts(pressure, largest)
+        p = self._acts(pressure, largest, strain)
         of_rough = self._rough.flow_error(p, waves=waves) if share > 0.0 else None
-        if of_rough is not None and share == 1.0:
+        if of_rough is not None and share == 1.0 and strain is None:
             return of_rough
-        most = p if largest is None else np.maximum(p, _checked(largest))
+        most = p if largest is None else np.maximum(p, self._acts(largest, None, strain))
         with np.errstate(divide="ignore"):
             now, then = (
                 np.clip(3.0 * np.log10(self._table.separation[0] / u), 0.0, _FALLEN[-1])
@@ -941,6 +1012,11 @@ class TurnedContact:
             bias = share * of_rough.bias + (1.0 - share) * (_MEAN + _HALF_LOST * 4.0 * share)
             parts = {name: (1.0 - share) * part for name, part in parts.items()}
             parts["fine roughness"] = share * of_rough.spread**2
+        if strain is not None:
+            meridional, hoop = (_STRAIN_FACTOR * np.asarray(e) for e in strain)
+            further = self._acts(pressure, largest, (meridional, hoop))
+            u = [np.maximum(self._table.effective_separation(acts), _TINY) for acts in (p, further)]
+            parts["bulk flow"] = np.minimum(3.0 * np.log(u[0] / u[1]), _SPREAD[-1]) ** 2
         # of the thread nothing is left open
         of_crests = 1.0 - self.thread_share(p)
         parts = {name: of_crests**2 * part for name, part in parts.items()}

@@ -1,0 +1,101 @@
+"""Turned faces over a bulk that is strained: limits, and direct simulation of von Mises' metal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import leak
+
+STEEL = {"effective_modulus": 115e9, "hardness": 3.5e9}
+PRESSURE = np.geomspace(1e5, 6e9, 300)
+WAYS = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (1.0, -1.0)]
+
+
+def fine(rms_height: float = 1e-7, scale: float = 1.0) -> leak.PowerSpectrum:
+    ends = {"q_low": 3.1416e4, "q_rolloff": 2.5133e5, "q_high": 4.0212e6}
+    return leak.PowerSpectrum.self_affine(
+        rms_height=rms_height, hurst=0.8, **{name: q / scale for name, q in ends.items()}
+    )
+
+
+def turned(
+    feed: float = 1e-4, nose_radius: float = 8e-4, scale: float = 1.0, **changes
+) -> leak.TurnedContact:
+    given = {"fine": fine(scale=scale), **STEEL} | changes
+    return leak.TurnedContact(feed=feed * scale, nose_radius=nose_radius * scale, **given)
+
+
+@cache
+def steel() -> leak.TurnedContact:
+    return turned()
+
+
+def lost(rms_height: float) -> leak.TurnedContact:
+    """Crests half lost in the fine roughness, or wholly."""
+    return turned(feed=2e-5 if rms_height > 2e-7 else 1e-4, fine=fine(rms_height))
+
+
+@pytest.mark.parametrize("face", [steel(), pytest.param(lost(2e-7), id="half lost")])
+def test_without_strain_nothing_changes(face):
+    assert (face.pressure_at_rest(PRESSURE, 0.0, 0.0) == PRESSURE).all()
+    assert (face.elastic.pressure_at_rest(PRESSURE, 0.1, 0.1) == PRESSURE).all()
+    p, top = PRESSURE[:100], 2.0 * PRESSURE[:100]
+    logs = np.log(p), np.log(top)
+    assert face.first_loading(*logs, np.zeros(2)) == pytest.approx(face.first_loading(*logs), rel=1e-12)
+    for largest in (None, top):
+        errors = [face.flow_error(p, largest=largest, strain=strain) for strain in (None, (0.0, 0.0))]
+        assert (errors[0].spread == errors[1].spread).all() and (errors[0].bias == errors[1].bias).all()
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("face", [steel(), turned(hardness=2e10), pytest.param(lost(2e-7), id="half lost")])
+def test_more_strain_and_pressure_flatten_more(face, way):
+    strains = np.array([0.0, 1e-3, 0.01, 0.03, 0.1])[:, None]
+    acts = face.pressure_at_rest(PRESSURE, way[0] * strains, way[1] * strains)
+    assert (np.diff(acts, axis=1) >= 0.0).all() and (np.diff(acts, axis=0) >= 0.0).all()
+    assert (acts >= PRESSURE).all()
+    yields = face.contact_pressure > PRESSURE
+    assert (acts[:, yields] < face.contact_pressure).all() and (acts[1:, yields][:, 0] > PRESSURE[0]).all()
+
+
+def test_strain_counts_over_the_slope():
+    """All lengths halved: the same. Twice as steep: the same with twice the strain, hardness and pressure."""
+    half, p = turned(scale=0.5, fine=fine(0.5e-7, 0.5)), PRESSURE
+    acts = steel().pressure_at_rest(p, 0.003, 0.001)
+    assert half.pressure_at_rest(p, 0.003, 0.001) == pytest.approx(acts, rel=1e-9)
+    steep = turned(nose_radius=4e-4, fine=fine(2e-7), hardness=2.0 * STEEL["hardness"])
+    assert steep.pressure_at_rest(2.0 * p, 0.006, 0.002) == pytest.approx(2.0 * acts, rel=1e-9)
+
+
+def test_fine_roughness_in_which_crests_are_lost_flows_by_its_own_law():
+    face, p = lost(5e-7), np.array([1e7, 1e8])
+    rough = leak.RoughContact(fine(5e-7), **STEEL, theory="corrected")
+    assert face.pressure_at_rest(p, 0.01, 0.0) == pytest.approx(
+        rough.pressure_at_rest(p, 0.01, 0.0), rel=1e-9
+    )
+    assert face.flow_error(p, strain=(0.01, 0.0)).parts["bulk flow"].min() > 0.0
+
+
+def test_memory_of_a_larger_pressure_is_that_of_the_face_at_rest():
+    face, strain = steel(), np.array([[0.004, 0.0], [0.0, -0.002]])
+    p, top = np.array([5e6, 1e7]), np.array([3e7, 2e7])
+    acts = [face.pressure_at_rest(x, strain[:, 0], strain[:, 1]) for x in (p, top)]
+    expected = face.equivalent_first_loading_pressure(*acts)
+    found = np.exp(face.first_loading(np.log(p), np.log(top), strain))
+    assert found == pytest.approx(expected, rel=1e-9)
+    error = face.flow_error(p, largest=top, strain=(strain[:, 0], strain[:, 1]))
+    plain = face.flow_error(acts[0], largest=acts[1])
+    assert error.bias == pytest.approx(plain.bias, rel=1e-9)
+    assert error.spread**2 == pytest.approx(plain.spread**2 + error.parts["bulk flow"], rel=1e-9)
+
+
+def test_of_a_thread_no_strain_is_unknown():
+    """What flows along the thread hardly depends on the strain."""
+    thread = replace(steel(), thread_radius=1e-4)
+    parts = [face.flow_error(2e7, strain=(0.005, 0.0)).parts["bulk flow"] for face in (steel(), thread)]
+    assert 0.0 < math.sqrt(parts[1]) < 0.5 * math.sqrt(parts[0])
