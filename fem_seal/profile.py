@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from leak.flow.conductivity import RemembersLoad
     from leak.flow.contact_profile import ContactProfile
+    from leak.flow.turned_contact import FaceContact
 
 # Pressure that is as good as none [Pa].
 _NONE = 1e-300
@@ -48,6 +49,9 @@ class PressureProfile:
         Largest pressure before that the gap at each place remembers, see `after` [Pa]; None on first loading.
     parts : tuple of PressureProfile, optional
         Lands that lie in series, from the axis outwards; empty where there is but one.
+    strain : ndarray, shape (m, 2), optional
+        Of the metal under the faces, along them and around the axis, see `ContactSolution.strain`; None where nothing
+        is known of it [-].
 
     Examples
     --------
@@ -68,6 +72,7 @@ class PressureProfile:
     ends: tuple[float | None, float | None] = (None, None)
     largest: FloatArray | None = None
     parts: tuple[PressureProfile, ...] = ()
+    strain: FloatArray | None = None
 
     @property
     def lands(self) -> tuple[PressureProfile, ...]:
@@ -161,13 +166,43 @@ class PressureProfile:
         share = largest.max() / highest if highest > 0.0 else 0.0
         return replace(self, largest=np.minimum(largest, self.pressure * share))
 
-    def equivalent(self, table: RemembersLoad) -> PressureProfile:
-        """Profile of new faces that lets as much through at every point; itself where nothing larger came before.
+    def at_rest(self, surface: FaceContact) -> PressureProfile:
+        """Profile over metal that is not strained which lets as much through at every point; itself where it is that.
+
+        Parameters
+        ----------
+        surface : RoughContact or TurnedContact
+        """
+        if self.strain is None:
+            return self
+
+        def rest(pressure: FloatArray) -> FloatArray:
+            assert self.strain is not None  # looked at above
+            return surface.pressure_at_rest(pressure, *self.strain.T)
+
+        largest = None if self.largest is None else rest(self.largest)
+        parts = tuple(part.at_rest(surface) for part in self.parts)
+        return replace(self, pressure=rest(self.pressure), largest=largest, parts=parts, strain=None)
+
+    @property
+    def peak_strain(self) -> tuple[float, float]:
+        """Strain along the faces and around the axis at the peak [-]; zero where nothing is known of it."""
+        if self.strain is None:
+            return 0.0, 0.0
+        along, around = (float(np.interp(self.peak[0], self.x, part)) for part in self.strain.T)
+        return along, around
+
+    def equivalent(self, table: RemembersLoad, surface: FaceContact) -> PressureProfile:
+        """Profile of new faces over metal that is not strained which lets as much through at every point.
 
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
+        surface : RoughContact or TurnedContact
+            Of which the table is.
         """
+        if self.strain is not None:
+            return self.at_rest(surface).equivalent(table, surface)
         if self.largest is None:
             return self
         with np.errstate(divide="ignore"):
@@ -281,10 +316,12 @@ def join_lands(profiles: Sequence[PressureProfile]) -> PressureProfile:
     if len(profiles) == 1:
         return profiles[0]
     memories = [profile.largest for profile in profiles if profile.largest is not None]
+    strains = [profile.strain for profile in profiles if profile.strain is not None]
     x, radius, pressure, gap, weight = (
         np.concatenate([getattr(profile, name) for profile in profiles])
         for name in ("x", "radius", "pressure", "gap", "arc_weight")
     )
     ends = profiles[0].ends[0], profiles[-1].ends[1]
     largest = np.concatenate(memories) if memories else None
-    return PressureProfile(x, radius, pressure, gap, weight, ends, largest, tuple(profiles))
+    strain = np.concatenate(strains) if strains else None
+    return PressureProfile(x, radius, pressure, gap, weight, ends, largest, tuple(profiles), strain)

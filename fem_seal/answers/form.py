@@ -296,8 +296,8 @@ def _goes_round(load: CaseLoad) -> float | None:
     if circumference is None or rough is None or rough.flow is None or rough.table is None:
         return None
     step = max(len(circumference.angle) // _ANGLES, 1)
-    table = rough.table
-    pressure = np.array([profile.equivalent(table).pressure for profile in circumference.profiles(step)])
+    table, profiles = rough.table, circumference.profiles(step)
+    pressure = np.array([profile.equivalent(table, rough.surface).pressure for profile in profiles])
     return rough.flow.goes_round(table, load.tightest, pressure, load.fluid_pressure)
 
 

@@ -176,7 +176,7 @@ class _Scenario:
     def profile(self) -> PressureProfile:
         """At the pressures of first loading that leave the same gaps."""
         assert self.rough.table is not None  # the load leaks
-        return self.load.tightest.equivalent(self.rough.table)
+        return self.load.tightest.equivalent(self.rough.table, self.rough.surface)
 
     @cached_property
     def gaps(self) -> GapDistribution:

@@ -16,9 +16,11 @@ from fem_seal.contact.laws import Law
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.plastic_step import (
     Equilibrium,
+    Flattening,
     PathLoad,
     PlasticSettings,
     YieldingBody,
+    larger_strain,
     press,
     unloading_model,
 )
@@ -309,6 +311,7 @@ def _with_bodies(
         equilibrium_residuals=balance.residuals,
         load_steps=steps,
         linear=balance.linear,
+        flattening=balance.flattening,
     )
 
 
@@ -427,7 +430,9 @@ class _Walk:
 
     def begin(self, rest: PathLoad) -> Equilibrium:
         """Equilibrium of new bodies under what acts before the first load."""
-        virgin = Equilibrium({name: body.solid.virgin for name, body in self.bodies.items()}, None, ())
+        flattening = {name: Flattening.none(len(self.model.line.x)) for name in self.bodies}
+        states = {name: body.solid.virgin for name, body in self.bodies.items()}
+        virgin = Equilibrium(states, None, (), flattening=flattening)
         if rest.further == NO_LOADS:
             return virgin
         return self.reach(rest, rest.without_force(NO_LOADS), virgin)[0]
@@ -533,7 +538,7 @@ class _Walk:
         self, load: PathLoad, balance: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
     ) -> Equilibrium:
         with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
-            return press(
+            arrival = press(
                 self.model,
                 self.bodies,
                 self.law,
@@ -544,6 +549,7 @@ class _Walk:
                 guess=guess,
                 elastic=elastic,
             )
+        return balance.flattened_until(arrival, self.bodies)
 
     def _open_load(self, load: PathLoad, balance: Equilibrium, error: OpenSealError) -> OpenLoad:
         """Error of a load that opens the bodies as they last touched; the given one if it leaves them closed."""
@@ -633,6 +639,8 @@ class ElastoplasticContact(ContactSolution):
         Steps since the load before.
     linear : ContactModel or None
         The bodies linearised at this load: what they answer to a small change of it, or of the interface law.
+    flattening : mapping
+        Of the bodies that yield by name: what their strain on the way to this load flattens.
     """
 
     bodies: Mapping[str, YieldingBody] = field(repr=False)
@@ -640,6 +648,15 @@ class ElastoplasticContact(ContactSolution):
     equilibrium_residuals: tuple[float, ...] = field(repr=False)
     load_steps: int = 1
     linear: ContactModel | None = field(default=None, repr=False)
+    flattening: Mapping[str, Flattening] = field(default_factory=dict, repr=False)
+
+    @property
+    def strain(self) -> FloatArray:
+        """See `ContactSolution.strain`; that of bodies that yield along the whole path."""
+        strain = self._elastic_strain(self.model.bodies.keys() - self.flattening.keys())
+        for flattening in self.flattening.values():
+            strain = larger_strain(strain, flattening.strain)
+        return strain
 
     @cached_property
     def unloading_model(self) -> ContactModel:

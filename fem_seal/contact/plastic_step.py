@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.constrained_body import (
@@ -25,7 +26,7 @@ from fem_seal.bodies.constrained_body import (
     condense_body,
 )
 from fem_seal.bodies.dissected_body import DissectedBody
-from fem_seal.bodies.elasticity import at_quadrature_points
+from fem_seal.bodies.elasticity import at_quadrature_points, elasticity_matrix
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, StressUpdate
 from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.laws import Law
@@ -217,6 +218,72 @@ _SHARES = (1.0, 0.6, 0.35, 0.2)
 
 
 @dataclass(frozen=True)
+class Flattening:
+    """What the strain of a body on its path flattens of the asperities on its face, which sink while it flows.
+
+    By `leak.theory.bulk_flow` the area that touches grows with the strain times the pressure under which it comes. All
+    plastic strain counts, whichever way it goes; elastic strain comes back, and half of it counts, as it rises with the
+    pressure.
+
+    Parameters
+    ----------
+    plastic : ndarray, shape (m, 2)
+        Plastic strain along the face and around the axis [-].
+    pressure, highest : ndarray, shape (m,)
+        Contact pressure there, and the highest so far [Pa].
+    net : ndarray, shape (m, 2)
+        int p d(plastic strain) [Pa].
+    length : ndarray, shape (m,)
+        The same of its size, see `strain_size` [Pa].
+    elastic : ndarray, shape (m, 2)
+        Half of pressure times elastic strain where this was largest [Pa].
+    """
+
+    plastic: FloatArray
+    pressure: FloatArray
+    highest: FloatArray
+    net: FloatArray
+    length: FloatArray
+    elastic: FloatArray
+
+    @classmethod
+    def none(cls, points: int) -> Flattening:
+        """Of a body that has not been touched."""
+        zero, zeros = np.zeros(points), np.zeros((points, 2))
+        return cls(zeros, zero, zero, zeros, zero, zeros)
+
+    def until(self, plastic: FloatArray, elastic: FloatArray, pressure: FloatArray) -> Flattening:
+        """After one more load step, with the strains (m, 2) and the pressure (m,) at its end."""
+        step = (0.5 * (self.pressure + pressure))[:, None] * (plastic - self.plastic)
+        return Flattening(
+            plastic,
+            pressure,
+            np.maximum(self.highest, pressure),
+            self.net + step,
+            self.length + strain_size(step),
+            larger_strain(self.elastic, 0.5 * pressure[:, None] * elastic),
+        )
+
+    @property
+    def strain(self) -> FloatArray:
+        """Strain that flattens as much at the highest pressure, shape (m, 2) [-]."""
+        net = self.net + self.elastic
+        over = strain_size(net) * self.highest
+        size = self.length + strain_size(self.elastic)
+        return net * np.divide(size, over, out=np.zeros_like(over), where=over > 0)[:, None]
+
+
+def strain_size(strain: FloatArray) -> FloatArray:
+    """Size (m,) of strains (m, 2) in the plane of a face, that of metal that keeps its volume but for a factor."""
+    return np.sqrt((strain**2).sum(axis=1) + strain.prod(axis=1))
+
+
+def larger_strain(first: FloatArray, second: FloatArray) -> FloatArray:
+    """At each place the larger one of two strains (m, 2) in the plane of a face."""
+    return np.where((strain_size(second) > strain_size(first))[:, None], second, first)
+
+
+@dataclass(frozen=True)
 class Equilibrium:
     """Bodies and contact line in balance.
 
@@ -232,6 +299,8 @@ class Equilibrium:
         The bodies linearised there, of which nothing but the contact line is kept; None before the first load.
     has_flowed : bool
         Whether a body has yielded in the step.
+    flattening : mapping of Flattening
+        Of the faces of the bodies that yield, by name; empty where nobody has followed it.
     """
 
     states: Mapping[str, BodyState]
@@ -239,6 +308,19 @@ class Equilibrium:
     residuals: tuple[float, ...]
     linear: ContactModel | None = None
     has_flowed: bool = False
+    flattening: Mapping[str, Flattening] = field(default_factory=dict)
+
+    def flattened_until(self, arrival: Equilibrium, bodies: Mapping[str, YieldingBody]) -> Equilibrium:
+        """Where one more load step leads, with what it flattens."""
+        contact = arrival.contact
+        flattening = {
+            name: before.until(
+                *bodies[name].face_strains(arrival.states[name]),
+                np.zeros_like(before.pressure) if contact is None else contact.pressure,
+            )
+            for name, before in self.flattening.items()
+        }
+        return replace(arrival, flattening=flattening)
 
     @property
     def plastic_strain(self) -> float:
@@ -548,6 +630,25 @@ class YieldingBody:
         nodes, mesh = self.fem.temperature, self.fem.mesh
         warm = None if nodes is None else at_quadrature_points(mesh, nodes)
         return ElastoplasticBody(mesh, self.fem.material, warm)
+
+    @cached_property
+    def _to_line(self) -> tuple[csr_matrix, FloatArray]:
+        """From values at the quadrature points to the points of the contact line; there the way along the face."""
+        fem = self.fem
+        way = np.stack([fem.normal[1], -fem.normal[0]], axis=1)
+        return fem.trace @ self.solid.nodal_average[fem.contact_nodes], fem.trace @ way
+
+    def face_strains(self, state: BodyState) -> tuple[FloatArray, FloatArray]:
+        """Plastic and elastic strain in the plane of the face, along it and around the axis, both (m, 2) [-]."""
+        to_line, way = self._to_line
+        r, z = way.T
+        elastic = np.linalg.solve(elasticity_matrix(self.fem.material), state.stress.reshape(-1, 4).T)
+        plastic = state.plastic.strain.reshape(-1, 4).T
+        in_plane = []
+        for strain in (plastic, elastic):
+            rr, zz, around, shear = (to_line @ part for part in strain)
+            in_plane.append(np.stack([rr * r**2 + zz * z**2 + shear * r * z, around], axis=1))
+        return in_plane[0], in_plane[1]
 
     def linear(
         self, elastic: CondensedBody, displacement: FloatArray, flow: StressUpdate, heat: Mapping[str, float]

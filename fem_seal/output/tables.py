@@ -144,8 +144,13 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
         pressure = np.full(len(along), load.fluid_pressure)
         # the direction of the force is that of bodies
         force = np.full(len(along), math.nan) if load.of_profile else load.contact.force_per_length
-        blocks.append(np.column_stack([pressure, along, fluid, force]))
+        blocks.append(np.column_stack([pressure, along, fluid, force, _strain_of(load)]))
     return np.concatenate(blocks)
+
+
+def _strain_of(load: CaseLoad) -> NDArray[np.float64]:
+    strain = load.whole_profile.strain
+    return np.full((len(load.whole_profile.x), 2), math.nan) if strain is None else strain
 
 
 def write_leak_csv(result: SealSolution, path: Path, *, all_columns: bool = False) -> Path:

@@ -310,7 +310,7 @@ def _place(
     strip = _strip(contact, surface, settings)
     assert strip.grid_spectrum is not None  # the surface is rough
     on_grid = replace(surface, spectrum=strip.grid_spectrum)
-    peaks = log_peaks([contact])
+    peaks = log_peaks([contact], surface)
     table = flow.table_around(surface, peaks)
     tables = (flow.in_contact(flow.table_around(s, peaks), s, profile) for s in (surface, on_grid))
     through, through_held = (_conductance(flow, table, profile, load.fluid_pressure) for table in tables)

@@ -301,12 +301,13 @@ class FlowModel:
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
+        profile = profile.at_rest(surface)
         return self.leak_by(self.in_lands(table, surface, profile), profile, fluid_pressure)
 
     def in_lands(
         self, table: Conductivity, surface: FaceContact, profile: PressureProfile
     ) -> list[Conductivity]:
-        """Table of each land of a contact, see `in_contact`.
+        """Table of each land of a contact over metal that is not strained, see `in_contact`.
 
         Parameters
         ----------
@@ -324,6 +325,7 @@ class FlowModel:
         ----------
         tables : sequence of ConductivityTable or GasConductivityTable
         profile : PressureProfile
+            Over metal that is not strained, see `PressureProfile.at_rest`.
         fluid_pressure : float
             Pressure difference [Pa].
         """
@@ -390,6 +392,7 @@ class FlowModel:
         """
         from leak.flow.scratch import flow_along
 
+        profile = profile.at_rest(surface)
         table = self.in_contact(table, surface, profile)
         permeant = self.permeant(table, fluid_pressure)
         x, pressure, contact = profile.x, profile.pressure, profile.contact_for(table)
@@ -478,9 +481,12 @@ def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
     return 10.0 ** math.floor(min(log_peaks) - 6), 10.0 ** math.ceil(max(log_peaks) + MARGIN)
 
 
-def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
-    """Decimal logarithms of the peak pressures of some contacts, and of those that they remember [Pa]."""
-    peaks = [peak for contact in contacts for peak in (contact.pressure.max(), contact.profile.highest)]
+def log_peaks(contacts: Sequence[ContactSolution], surface: FaceContact | None) -> list[float]:
+    """Decimal logarithms of peak pressures of some contacts, remembered ones too, and as they act on a surface [Pa]."""
+    profiles = [contact.whole_profile for contact in contacts]
+    if surface is not None:
+        profiles += [profile.at_rest(surface) for profile in profiles]
+    peaks = [peak for profile in profiles for peak in (profile.pressure.max(), profile.highest)]
     return [math.log10(peak) for peak in dict.fromkeys(peaks)]
 
 
@@ -496,7 +502,7 @@ class LeakModel:
     make : callable
         Conductivity of a flow between surfaces; None where it could not be calculated.
     peaks : tuple of float
-        Peak pressures of the contacts [Pa]: u_c of all takes little longer than of one.
+        Peak pressures of the contacts as they act on the surface [Pa]: u_c of all takes little longer than of one.
     """
 
     surface: FaceContact
@@ -524,8 +530,9 @@ class LeakModel:
         """
         if surface is None:
             return None
-        make = _Tables(table or FlowModel.table_around, log_peaks(contacts))
-        return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
+        make = _Tables(table or FlowModel.table_around, log_peaks(contacts, surface))
+        peaks = tuple(contact.profile.at_rest(surface).peak_pressure for contact in contacts)
+        return cls(surface, flow, make, peaks)
 
     @property
     def is_direct(self) -> bool:
@@ -573,7 +580,7 @@ class LeakModel:
         """
         if self.flow is None or self.table is None:
             return None
-        pressed_profile = profile.pressed_up_to(most)
+        pressed_profile = profile.at_rest(self.surface).pressed_up_to(most)
         tables = self.flow.in_lands(self.table, self.surface, pressed_profile)
         return self.flow.leak_by(tables, pressed_profile, fluid_pressure)
 
@@ -620,7 +627,9 @@ class LeakModel:
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        peak, surface = max(land.peak_pressure for land in profile.lands), self.surface
+        surface = self.surface
+        profile = profile.at_rest(surface)
+        peak = max(land.peak_pressure for land in profile.lands)
         if self.flow is None or self.table is None:
             return 0.0
         if isinstance(surface, leak.TurnedContact):
@@ -672,6 +681,7 @@ class LeakModel:
         profile : PressureProfile
             Its peak is best one of `peaks`.
         """
+        profile = profile.at_rest(self.surface)
         at, peak = profile.peak
         if profile.largest is not None:
             largest = float(np.interp(at, profile.x, profile.largest))

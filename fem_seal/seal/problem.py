@@ -904,7 +904,7 @@ class SealFlow:
             land.after(largest[end - len(land.x) : end])
             for land, end in zip(profile.lands, ends, strict=True)
         ]
-        return join_lands([land.equivalent(self._table(land)) for land in loaded_lands])
+        return join_lands([land.equivalent(self._table(land), self.surface) for land in loaded_lands])
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
@@ -929,7 +929,7 @@ class SealFlow:
     def _table(self, profile: PressureProfile) -> Conductivity:
         low, high = self._expected_peaks
         # below the range the low-pressure law goes on, above it two more decades at a time
-        top, peak = math.ceil(high + MARGIN), math.log10(profile.highest) + MARGIN
+        top, peak = math.ceil(high + MARGIN), math.log10(profile.at_rest(self.surface).highest) + MARGIN
         decades = 2 * max(0, math.ceil((peak - top) / 2))
         return self.flow.table_around(self.surface, (low, high + decades))
 

@@ -347,7 +347,9 @@ class NeighbourSource(Source):
             return direct.of_neighbour(solved_surface, surface, table_of, end=flow.end, of_gas=of_gas)
         if direct is not None:
             # with the range of the solved seal, as long as it will do, the table's own error is that of all
-            solved_peaks = log_peaks_of([contact for load in self.loads for contact in load.contacts])
+            solved_peaks = log_peaks_of(
+                [contact for load in self.loads for contact in load.contacts], surface
+            )
             return flow.table_around(surface, [*solved_peaks, *log_peaks])
         table = family_table(flow, surface) if same_family(surface, solved_surface) else None
         return table or flow.short_table(surface, log_peaks)

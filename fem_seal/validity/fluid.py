@@ -359,14 +359,16 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     from leak import gas_inertia
     from leak.fluids.library import heat_capacity_ratio
 
-    place, table = _where_most_leaks(load), None if load.rough is None else load.rough.table
-    if place is None or table is None:
+    place, rough = _where_most_leaks(load), load.rough
+    if place is None or rough is None or (table := rough.table) is None:
         return None
     profile_there, leak = place
     if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = (load.whole_profile if load.circumference is None else profile_there).equivalent(table)
+    profile = (load.whole_profile if load.circumference is None else profile_there).equivalent(
+        table, rough.surface
+    )
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure

@@ -87,7 +87,8 @@ def acting_pressure(surface: TurnedContact, load: LoadResult) -> float:
     surface : TurnedContact
     load : LoadResult
     """
-    return float(surface.equivalent_first_loading_pressure(load.peak_pressure, load.tightest.highest))
+    tight = load.tightest.at_rest(surface)
+    return float(surface.equivalent_first_loading_pressure(tight.peak_pressure, tight.highest))
 
 
 def crest_places(surface: TurnedContact, load: LoadResult) -> Bounds:
@@ -118,7 +119,7 @@ def _resistances(surface: TurnedContact, rough: LeakModel, land: PressureProfile
     assert rough.flow is not None and rough.table is not None  # of the caller
     table, places, x = rough.table.liquid, surface.crest_places, land.x
     count, period = _PHASES * places.size, surface.crest_distance * places.size
-    land = land.equivalent(table)
+    land = land.equivalent(table, surface)
     totals = []
     for phase in range(count):
         crests = np.arange(x[0] + (phase / count - 1.0) * period, x[-1], period) + places[:, None]
