@@ -302,7 +302,10 @@ class CaseLoad(LoadResult):
         circle = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
         waves = self.fwhm * circle / wavelength**2
         if isinstance(surface, TurnedContact):
-            return surface.flow_error(self.peak_pressure, waves=waves, largest=profile.highest)
+            return surface.flow_error(
+                self.peak_pressure, waves=waves, largest=profile.highest, strain=profile.peak_strain
+            )
+        surface = surface if surface.hardness is None else surface.strained(*profile.peak_strain)
         return surface.flow_error(self.peak_pressure, waves=waves)
 
     @property

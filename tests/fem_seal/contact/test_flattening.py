@@ -94,7 +94,8 @@ def test_elastic_bodies_are_strained_as_the_finite_elements_are() -> None:
     formula = contact._elastic_strain(["seat"])
     pressed = contact.pressure > 0.5 * contact.pressure.max()
     assert found[pressed, 0] == pytest.approx(formula[pressed, 0], rel=0.08)
-    assert np.all(np.abs(found[pressed, 1]) < 0.15 * np.abs(found[pressed, 0]))
+    # the seat as a ring is stretched a little, which is left out
+    assert np.all(np.abs(found[pressed, 1]) < 0.25 * np.abs(found[pressed, 0]))
     # and that body is the larger one of the two
     assert contact.profile.strain == pytest.approx(
         np.where(strain_size(found)[:, None] >= strain_size(formula)[:, None], found, formula)
