@@ -189,8 +189,8 @@ class PressureProfile:
         """Strain along the faces and around the axis at the peak [-]; zero where nothing is known of it."""
         if self.strain is None:
             return 0.0, 0.0
-        along, around = (float(np.interp(self.peak[0], self.x, part)) for part in self.strain.T)
-        return along, around
+        along, hoop = (float(np.interp(self.peak[0], self.x, part)) for part in self.strain.T)
+        return along, hoop
 
     def equivalent(self, table: RemembersLoad, surface: FaceContact) -> PressureProfile:
         """Profile of new faces over metal that is not strained which lets as much through at every point.

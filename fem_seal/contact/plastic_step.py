@@ -646,8 +646,8 @@ class YieldingBody:
         plastic = state.plastic.strain.reshape(-1, 4).T
         in_plane = []
         for strain in (plastic, elastic):
-            rr, zz, around, shear = (to_line @ part for part in strain)
-            in_plane.append(np.stack([rr * r**2 + zz * z**2 + shear * r * z, around], axis=1))
+            rr, zz, hoop, shear = (to_line @ part for part in strain)
+            in_plane.append(np.stack([rr * r**2 + zz * z**2 + shear * r * z, hoop], axis=1))
         return in_plane[0], in_plane[1]
 
     def linear(
