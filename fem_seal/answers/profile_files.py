@@ -32,6 +32,8 @@ _PRESSED_SHARE = 1e-3
 # What the word of a column's name says, the first that fits.
 _ROLES = {
     "fluid_pressure": r"fluid_pressure",
+    "bulk_strain_meridional": r"bulk_strain_meridional",
+    "bulk_strain_hoop": r"bulk_strain_hoop",
     "gap": r"gap|copen|cshear|largest|.*(separation|stress|strain|force)",
     "pressure": r"(contact_?)?pressure(\b|_)|cpress|cont_?pres|pres(\b|_)|p(?![a-z:.])",
     "angle": r"(theta|phi|angle|azimuth)(\b|_|$)",
@@ -43,6 +45,9 @@ _ROLES = {
     "step": r"(load_?)?(step|case)|frame|increment|substep|time(\b|_|$)|part_instance|set$",
 }
 _LENGTHS = ("arc", "radius", "x", "y", "z")
+_STRAINS = ("bulk_strain_meridional", "bulk_strain_hoop")
+# Of which each load step may have its own.
+_OF_STEPS = ("pressure", "step", *_STRAINS)
 # Programs that know no units call the contact pressure so; a peak above this is one in Pa, not in MPa.
 _WITHOUT_UNITS, _IN_PASCAL = re.compile(r"cpress|cont_?pres|pres(\b|_)"), 1e5
 _POINTS = re.compile(r"points?[:_]0")
@@ -70,6 +75,8 @@ class ImportedProfile:
         Fluid pressure that belongs to the profile [Pa]; None if the file does not say.
     remark : str, optional
         What the columns were taken for, a sentence.
+    strain : ndarray, shape (n, 2), or None, optional
+        Of the metal under the faces, along them and around the axis [-]; None if the file has no such columns.
     """
 
     x: FloatArray
@@ -77,6 +84,7 @@ class ImportedProfile:
     radius: FloatArray | None
     fluid_pressure: float | None
     remark: str = ""
+    strain: FloatArray | None = None
 
 
 def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedProfile, ...]:
@@ -124,10 +132,12 @@ class _Step:
     pressure_name: str
     fluid_pressure: float | None
     remark: str
+    strain: FloatArray | None
 
     def rows(self, selection: IntArray | BoolArray) -> _Step:
         places = {role: (name, values[selection]) for role, (name, values) in self.places.items()}
-        return replace(self, places=places, pressure=self.pressure[selection])
+        strain = None if self.strain is None else self.strain[selection]
+        return replace(self, places=places, pressure=self.pressure[selection], strain=strain)
 
 
 # --- columns ------------------------------------------------------------------------------------------------
@@ -139,7 +149,11 @@ def _steps(table: TextTable) -> Iterator[_Step]:
         number, line = table.stray
         raise TextTableError(problem("profile_row", number=number, line=line[:40], first=table.lines[0]))
     roles = _roles(table)
-    numbers = [place for role in (*_LENGTHS, "pressure", "fluid_pressure") for place in roles.get(role, ())]
+    numbers = [
+        place
+        for role in (*_LENGTHS, "pressure", "fluid_pressure", *_STRAINS)
+        for place in roles.get(role, ())
+    ]
     bad_rows = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
     if bad_rows.size:
         line, row = table.lines[bad_rows[0]], table.rows[bad_rows[0]]
@@ -159,12 +173,31 @@ def _steps(table: TextTable) -> Iterator[_Step]:
     if loads is not None and not (loads > 0).all():
         lowest = Quantity(float(loads.min()), "given fluid pressure")
         raise TextTableError(f"fluid pressure must be positive, it holds {lowest}")
-    for place in roles["pressure"]:
+    strains = _strains(table, roles)
+    for place, strain in zip(roles["pressure"], strains, strict=True):
         pressure = column(table, place, "pressure")
         _check_pressure(table, pressure)
         for rows in _groups(table, roles, loads, next(iter(places.values()))[1]):
             load = _load_in(table.header[place]) if loads is None else float(loads[rows[0]])
-            yield _Step(places, pressure, header[place], load, remark).rows(rows)
+            yield _Step(places, pressure, header[place], load, remark, strain).rows(rows)
+
+
+def _strains(table: TextTable, roles: dict[str, list[int]]) -> Sequence[FloatArray | None]:
+    """Strains that belong to each column of contact pressures."""
+    steps, counts = len(roles["pressure"]), [len(roles.get(name, ())) for name in _STRAINS]
+    if not any(counts):
+        return [None] * steps
+    if counts != [steps] * 2:
+        fewer = _STRAINS[int(np.argmin(counts))]
+        raise TextTableError(problem("profile_strains", column=fewer, count=min(counts), steps=steps))
+    along, hoop = ([column(table, place, "strain") for place in roles[name]] for name in _STRAINS)
+    strains = [np.stack(pair, axis=1) for pair in zip(along, hoop, strict=True)]
+    for number, strain in enumerate(strains):
+        if not (is_inside := np.abs(strain) < 1.0).all():
+            row, part = np.argwhere(~is_inside)[0].tolist()
+            words = {"line": table.lines[row], "column": table.header[roles[_STRAINS[part]][number]]}
+            raise TextTableError(problem("profile_strain", strain=float(strain[row, part]), **words))
+    return strains
 
 
 def _roles(table: TextTable) -> dict[str, list[int]]:
@@ -178,11 +211,14 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     roles: dict[str, list[int]] = {}
     for place, word in enumerate(words):
         role = next((role for role, pattern in _ROLES.items() if re.match(pattern, word)), None)
-        if role is not None and (role in ("pressure", "step") or role not in roles):
+        if role is not None and (role in _OF_STEPS or role not in roles):
             roles.setdefault(role, []).append(place)
     numeric = np.flatnonzero(~np.isnan(table.values).all(axis=0)).tolist()
     if len(numeric) == 2 == len(table.header) and not ("pressure" in roles and roles.keys() & {*_LENGTHS}):
         return {"arc": [0], "pressure": [1]}
+    # of a profile that was written without them
+    for name in _STRAINS:
+        roles[name] = [place for place in roles.get(name, ()) if place in numeric]
     names = ", ".join(table.header)
     if "pressure" not in roles:
         raise TextTableError(f"has no column contact_pressure; its columns are {names}")
@@ -273,9 +309,12 @@ def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(step.pressure)}")
     x, radius, remark = _locate(step, contact)
     remark += step.remark
+    columns = [each for each in (step.pressure, radius, step.strain) if each is not None]
     finite = np.isfinite(x)
-    pressure = step.pressure[finite]
-    x, pressure, radius = _merge_places(x[finite], pressure, None if radius is None else radius[finite])
+    x, values = _merge_places(x[finite], np.column_stack(columns)[finite])
+    pressure = values[:, 0]
+    radius = None if radius is None else values[:, 1]
+    strain = None if step.strain is None else values[:, -2:]
     if len(x) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
     pressed_x = x[pressure > _PRESSED_SHARE * pressure.max()]
@@ -293,7 +332,7 @@ def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
             zip(("low", "high", "start", "end", "touch"), map(_mm, (low, high, *ends, touch)), strict=True)
         )
         raise TextTableError(problem("profile_beside_faces", **words, remark=remark))
-    return ImportedProfile(x, pressure, radius, step.fluid_pressure, remark)
+    return ImportedProfile(x, pressure, radius, step.fluid_pressure, remark, strain)
 
 
 def _locate(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArray | None, str]:
@@ -467,24 +506,21 @@ def _from_touch(x: FloatArray, pressure: FloatArray, remark: str) -> tuple[Float
     return x - centre, f"{remark}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
 
 
-def _merge_places(
-    x: FloatArray, pressure: FloatArray, radius: FloatArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray | None]:
-    """Points in order, those at one place as one with the mean pressure."""
+def _merge_places(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points in order, those at one place as one with the mean of each column of values, of which pressure is first."""
     order = np.argsort(x, kind="stable")
-    x, pressure = x[order], pressure[order]
+    x, values = x[order], values[order]
     begins = np.diff(x, prepend=-np.inf) > 1e-9 * np.ptp(x)
     if begins.all():
-        return x, pressure, None if radius is None else radius[order]
-    starts = np.flatnonzero(begins)
+        return x, values
+    starts, pressure = np.flatnonzero(begins), values[:, 0]
     counts = np.diff(starts, append=len(x))
     lowest, highest = np.minimum.reduceat(pressure, starts), np.maximum.reduceat(pressure, starts)
     worst = int(np.argmax(highest - lowest))
     if highest[worst] - lowest[worst] > _SAME_PRESSURE * pressure.max():
         words = {"low": float(lowest[worst]), "high": float(highest[worst]), "map": _MAP}
         raise TextTableError(problem("profile_several_steps", x=_mm(float(x[starts[worst]])), **words))
-    mean = np.add.reduceat(pressure, starts) / counts
-    return x[starts], mean, None if radius is None else radius[order][starts]
+    return x[starts], np.add.reduceat(values, starts) / counts[:, None]
 
 
 def _mm(length: float) -> str:

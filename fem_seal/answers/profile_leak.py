@@ -61,12 +61,13 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     peaks = [float(profile.pressure.max()) for profile in profiles]
     if problem.form is not None:
         raise InputError(problem_of("profile_form"), file=problem.file)
-    rough = LeakModel(surface, flow, partial(_conductivity, peaks))
+    contacts = [_profile(problem.contact, profile) for profile in profiles]
+    rough = LeakModel(surface, flow, partial(_conductivity, contacts))
     fluid_pressures = _fluid_pressures(problem, profiles)
     _refuse_far_too_weak(problem, peaks, fluid_pressures)
     given_loads = [
-        LoadResult(fluid_pressure, 0.0, GivenContact(_profile(problem.contact, profile)), rough)  # type: ignore[arg-type]
-        for profile, pressures in zip(profiles, fluid_pressures, strict=True)
+        LoadResult(fluid_pressure, 0.0, GivenContact(contact), rough)  # type: ignore[arg-type]
+        for contact, pressures in zip(contacts, fluid_pressures, strict=True)
         for fluid_pressure in pressures
     ]
     loads = case_loads(problem, given_loads)
@@ -101,8 +102,9 @@ def _refuse_far_too_weak(
         raise InputError(problem_of("far_too_weak", peak=peak, pressure=min(loads)), file=problem.file)
 
 
-def _conductivity(peaks: Sequence[float], flow: FlowModel, surface: FaceContact) -> Conductivity:
-    """Flow conductivity over all pressures of the profiles."""
+def _conductivity(contacts: Sequence[PressureProfile], flow: FlowModel, surface: FaceContact) -> Conductivity:
+    """Flow conductivity over all pressures of the profiles, as they act on the surface."""
+    peaks = [float(contact.at_rest(surface).pressure.max()) for contact in contacts]
     # nine decades below the peak the resistance is less than one part in a million of the whole
     return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))
 
@@ -130,5 +132,7 @@ def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProf
         steps = np.diff(land_x, prepend=land_x[0], append=land_x[-1])
         outer = ends[0] if number == 0 else None, ends[1] if number == len(parts) - 1 else None
         weight, gap = 0.5 * (steps[1:] + steps[:-1]), np.full(len(rows), math.nan)
-        lands.append(PressureProfile(land_x, radius[rows], profile.pressure[rows], gap, weight, outer))
+        strain = None if profile.strain is None else profile.strain[rows]
+        points = land_x, radius[rows], profile.pressure[rows], gap, weight
+        lands.append(PressureProfile(*points, outer, strain=strain))
     return join_lands(lands)

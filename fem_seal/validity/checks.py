@@ -47,6 +47,9 @@ _NEAR_OPENING = 0.05
 # Peak pressure over yield stress at which Hertz's line contact yields (Tresca: K. L. Johnson, Contact Mechanics, 6.1).
 # Yield stress of annealed metals over Young's modulus: 210 MPa for steel, 100 MPa for brass.
 _HERTZ_YIELDS, _SOFT = 1.67, 1e-3
+# Peak pressure over yield stress from which on metal may flow under faces of which nothing else is known: tension and
+# bending may take as much, and a flat gasket flows at one.
+_MAY_FLOW = 0.5
 # Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
 # second the missing part changes the result noticeably.
 _CUT_SHARE, _LARGE_CUT_SHARE = 1e-6, 1e-2
@@ -247,6 +250,7 @@ def profile_validity(problem: SealProblem, load: LoadResult) -> Validity:
             *_of_surface(problem),
             *_above_hardness(problem, [load]),
             *_creeps(problem, [load]),
+            *_unknown_strain(problem, load),
             *(item for item in _temperature_cautions(problem, bodies=False) if item.level is not Level.VALID),
             *_interface_cautions(problem, problem.surface, [load]),
         )
@@ -446,6 +450,33 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
                 basis=basis,
                 material=material.name or label,
             )
+
+
+def _unknown_strain(problem: SealProblem, load: LoadResult) -> Iterator[Finding]:
+    """A given contact whose metal may flow, so that its asperities sink and less leaks, nobody knows by how much."""
+    profile, peak = load.tightest, load.peak_pressure
+    surface, limits = problem.surface, dict[float, str]()
+    for name, material in problem.materials.items():
+        flows = material.yield_stress
+        if flows is None and material.hardness is not None:
+            flows = material.hardness / HARDNESS_OVER_YIELD_STRESS
+        if flows is not None:
+            limits.setdefault(flows, problem.contact.label_of(name))
+    if surface is None or profile.strain is not None or not limits:
+        return
+    limit = min(limits)
+    # asperities that do not yield do not sink
+    if peak > _MAY_FLOW * limit and float(surface.pressure_at_rest(peak, 0.01, 0.01)) > peak:
+        yield caution(
+            "unknown_strain",
+            load,
+            [load],
+            leak_factor=fade_in(Bounds(1.0 / ORDERS_OF_MAGNITUDE, 1.0), peak / limit),
+            proven=False,
+            name=limits[limit],
+            peak=_stress(peak, load, limit),
+            limit=near_limit(limit, peak, 2),
+        )
 
 
 def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

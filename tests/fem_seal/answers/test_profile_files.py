@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import fem_seal
 from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile, read_profiles
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.case import case_of
 from fem_seal.errors import InputError
+from fem_seal.files import read_toml
 from fem_seal.output.report.brief import first_line
 from fem_seal.output.report.page import report
+from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.problem import SealProblem
 
+EXAMPLES = Path(__file__).parents[3] / "examples"
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3.5 GPa"}
 TABLES = {
     "closure": {"shape": "ball", "radius": "20 mm", "material": STEEL},
@@ -266,6 +271,119 @@ def test_load_steps(name: str, read) -> None:
     for one, times in zip(found, (1.0, 2.0), strict=True):
         assert one.x == pytest.approx(X * 1e-3, abs=2e-9)
         assert one.pressure == pytest.approx(times * P * 1e6, rel=1e-7)
+
+
+# A strain along the face that tells the points apart, and one around the axis.
+ALONG, HOOP = 0.02 + 0.01 * X, -0.003 + ZERO
+STRAINED = "x [mm],p [MPa],bulk_strain_meridional,bulk_strain_hoop"
+# The same strains, whatever else is in the file.
+STRAINS = {
+    "plain numbers": written(STRAINED, X, P, ALONG, HOOP),
+    "per cent, in no order": written(
+        "bulk_strain_hoop [%],x [mm],bulk_strain_meridional (%),p [MPa]",
+        *(values[MIXED] for values in (100 * HOOP, X, 100 * ALONG, P)),
+    ),
+    "points twice": written(
+        STRAINED, *(np.repeat(values, 2) for values in (X, P)), np.repeat(ALONG, 2) * np.tile([0.9, 1.1], 61),
+        np.repeat(HOOP, 2),
+    ),
+    "of the second of two steps": written(
+        "fluid_pressure [bar]," + STRAINED,
+        np.repeat([20, 40], 61), np.tile(X, 2), np.append(2 * P, P), np.append(ZERO, ALONG), np.append(ZERO, HOOP),
+    ),
+    "of each step beside its pressure": written(
+        "x [mm],p at 20 bar [MPa],bulk_strain_meridional,bulk_strain_hoop,p at 40 bar [MPa],"
+        "bulk_strain_meridional at 40 bar [-],bulk_strain_hoop at 40 bar [-]",
+        X, 2 * P, ZERO, ZERO, P, ALONG, HOOP,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STRAINS)
+def test_strains_stay_with_their_points(name: str, read) -> None:
+    found = read(STRAINS[name])[-1]
+    assert found.x == pytest.approx(X * 1e-3, abs=2e-9)
+    assert found.pressure == pytest.approx(P * 1e6, rel=1e-7)
+    assert found.strain == pytest.approx(np.stack([ALONG, HOOP], axis=1), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (written("x [mm],p [MPa],bulk_strain_hoop", X, P, HOOP), "no columns bulk_strain_meridional, and 1"),
+        (written(STRAINED[:-17], X, P, ALONG), "no columns bulk_strain_hoop, and 1 of contact pressure"),
+        (written(STRAINED + ",p at 40 bar [MPa]", X, P, ALONG, HOOP, P), "1 column bulk_strain_meridional, and 2"),
+        (written(STRAINED, X, P, ALONG, HOOP - X**2 * 20), '"bulk_strain_hoop" must .* line 2 has -1.803: is'),
+        (written(STRAINED, X, P, ALONG, np.where(X > -0.3, HOOP, np.inf)), "line 2 .*finite numbers"),
+        (written(STRAINED + " [mm]", X, P, ALONG, HOOP), 'unit "mm" does not fit a strain'),
+    ],
+    ids=["no meridional", "no hoop", "one for two steps", "too large", "infinite", "a length"],
+)  # fmt: skip
+def test_strains_that_are_none_are_told(text: str, said: str, read) -> None:
+    with pytest.raises(InputError, match=said):
+        read(text)
+
+
+def test_columns_of_strains_without_numbers_say_nothing(read) -> None:
+    """So they stand in profile.csv of a profile that had none."""
+    rows = "".join(f"{x:.9g},{p:.9g},,\n" for x, p in zip(X, P, strict=True))
+    (found,) = read(f"{STRAINED}\n{rows}")
+    assert found.strain is None and found.pressure == pytest.approx(P * 1e6, rel=1e-7)
+
+
+def test_strained_metal_leaks_as_unstrained_metal_that_is_pressed_harder(read) -> None:
+    """The same numbers from the pressures at rest, written into a file; twice the strain leaks less."""
+    of = problem()
+    plain, strained, more = (
+        read(text)
+        for text in (
+            SAME["arc length"],
+            STRAINS["plain numbers"],
+            written(STRAINED, X, P, 2 * ALONG, 2 * HOOP),
+        )
+    )
+    rest = of.surface.pressure_at_rest(P * 1e6, ALONG, HOOP) / 1e6
+    harder = read(written("x [mm],p [MPa]", X, rest))
+    rates = [leak_of_profiles(of, profiles)[0].leak.leak_rate for profiles in (plain, strained, more, harder)]
+    assert rates[1] == pytest.approx(rates[3], rel=1e-5)
+    assert rates[0] > 1.1 * rates[1] > 1.1**2 * rates[2]
+
+
+def test_metal_that_may_flow_asks_for_its_strain(read) -> None:
+    """The lower end opens from half the yield stress on, by orders of magnitude where it flows; the upper one stays."""
+    flows = 3.5e9 / 2.9
+    found = []
+    for share in (0.49, 0.501, 0.75, 1.0, 1.2):
+        profiles = read(written("x [mm],p [MPa]", X, P / P.max() * share * flows / 1e6))
+        (load,) = leak_of_profiles(problem(), profiles)
+        found.append([one for one in load.validity.cautions if one.kind == "bulk strain"])
+        zero = np.zeros((len(profiles[0].x), 2))
+        (known,) = leak_of_profiles(problem(), [replace(profiles[0], strain=zero)])
+        assert not any(one.kind == "bulk strain" for one in known.validity.cautions)
+        assert load.leak_interval.high == known.leak_interval.high
+        assert (load.leak_interval.low < known.leak_interval.low) == (share > 0.5)
+    assert not found[0]
+    lows = [one.leak_factor.low for (one,) in found[1:]]
+    assert lows == pytest.approx([1e-3**0.002, 1e-3**0.5, 1e-3, 1e-3], rel=1e-3)
+    assert "bulk_strain_meridional and bulk_strain_hoop" in found[-1][0].text()
+    elastic = SealProblem.of(case_of({**TABLES, "leak": {"plasticity": False}}))
+    (load,) = leak_of_profiles(elastic, profiles)
+    assert not any(one.kind == "bulk strain" for one in load.validity.cautions)
+
+
+@pytest.mark.slow
+def test_the_profile_of_a_yielding_run_leaks_as_the_run(tmp_path: Path) -> None:
+    """As closely as one without strain; without its strains 4 % more."""
+    tables = read_toml(EXAMPLES / "copper_ring.toml", "case")
+    tables["load"]["applied_force"] = "2 kN"
+    ring = fem_seal.run(case_of(tables))
+    profiles = read_profiles(write_profile_csv(ring, tmp_path / "profile.csv"), ring.problem.contact)
+    (load,) = leak_of_profiles(ring.problem, profiles)
+    (without,) = leak_of_profiles(ring.problem, [replace(profiles[0], strain=None)])
+    rate = ring.loads[0].leak.leak_rate
+    assert load.leak.leak_rate == pytest.approx(rate, rel=2e-3)
+    assert without.leak.leak_rate > 1.03 * rate
+    assert without.leak_interval.low < 0.01 * load.leak_interval.low
 
 
 def test_load_steps_meet_the_fluid_pressures_of_the_case(read) -> None:
