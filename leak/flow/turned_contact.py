@@ -594,19 +594,11 @@ class TurnedContact:
         share = np.divide(wider, square, out=np.zeros(square.shape), where=square > 0.0)
         return flow._replace(strain=flow.strain * (1.0 + flows_across * share))
 
-    def first_loading(
-        self, log_pressure: ArrayLike, log_largest: ArrayLike, strain: FloatArray | None = None
-    ) -> FloatArray:
+    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
         """See `leak.flow.conductivity.LoadMemory.first_loading`; of crests that stand out of the fine roughness."""
         log_p, log_top = np.broadcast_arrays(
             np.asarray(log_pressure, dtype=float), np.asarray(log_largest, dtype=float)
         )
-        if strain is not None:
-            with np.errstate(divide="ignore"):
-                log_p, log_top = (
-                    np.log(self.pressure_at_rest(np.exp(x), strain[..., 0], strain[..., 1]))
-                    for x in (log_p, log_top)
-                )
         result = np.array(log_p)
         harder = np.isfinite(log_p) & (log_top > log_p)
         if self.hardness is None or not np.any(harder):
@@ -1033,6 +1025,7 @@ class TurnedContact:
         """
         if not waves > 0.0:
             raise ConductivityError(f"waves = {waves}: must be positive [-]")
+        strain = strain if strain is not None and any(map(np.any, strain)) else None
         share = self._lost_share
         p = self._acts(pressure, largest, strain)
         of_rough = self._rough.flow_error(p, waves=waves) if share > 0.0 else None

@@ -41,13 +41,11 @@ def lost(rms_height: float) -> leak.TurnedContact:
     return turned(feed=2e-5 if rms_height > 2e-7 else 1e-4, fine=fine(rms_height))
 
 
-@pytest.mark.parametrize("face", [steel(), pytest.param(lost(2e-7), id="half lost")])
+@pytest.mark.parametrize("face", [steel(), lost(2e-7), replace(lost(5e-7), thread_radius=0.01)])
 def test_without_strain_nothing_changes(face):
     assert (face.pressure_at_rest(PRESSURE, 0.0, 0.0) == PRESSURE).all()
     assert (face.elastic.pressure_at_rest(PRESSURE, 0.1, 0.1) == PRESSURE).all()
     p, top = PRESSURE[:100], 2.0 * PRESSURE[:100]
-    logs = np.log(p), np.log(top)
-    assert face.first_loading(*logs, np.zeros(2)) == pytest.approx(face.first_loading(*logs), rel=1e-12)
     for largest in (None, top):
         errors = [face.flow_error(p, largest=largest, strain=strain) for strain in (None, (0.0, 0.0))]
         assert (errors[0].spread == errors[1].spread).all() and (errors[0].bias == errors[1].bias).all()
@@ -86,9 +84,6 @@ def test_memory_of_a_larger_pressure_is_that_of_the_face_at_rest():
     face, strain = steel(), np.array([[0.004, 0.0], [0.0, -0.002]])
     p, top = np.array([5e6, 1e7]), np.array([3e7, 2e7])
     acts = [face.pressure_at_rest(x, strain[:, 0], strain[:, 1]) for x in (p, top)]
-    expected = face.equivalent_first_loading_pressure(*acts)
-    found = np.exp(face.first_loading(np.log(p), np.log(top), strain))
-    assert found == pytest.approx(expected, rel=1e-9)
     error = face.flow_error(p, largest=top, strain=(strain[:, 0], strain[:, 1]))
     plain = face.flow_error(acts[0], largest=acts[1])
     assert error.bias == pytest.approx(plain.bias, rel=1e-9)
@@ -121,7 +116,7 @@ def test_faces_of_von_mises_metal_sink_as_simulated():
         areas, at_rest = turned_bulk.misses(part)
         valleys = [turned_bulk.along(one) / one.along for one in part[::4] if one.along > turned_bulk.OPEN]
         assert math.sqrt(np.mean(np.log(valleys) ** 2)) < 0.3
-        assert areas.size > 100 and math.sqrt(np.mean(areas**2)) < 0.1
+        assert areas.size > 100 and math.sqrt(np.mean(areas**2)) < (0.12 if held_out else 0.07)
         assert abs(areas).max() < math.log(1.4)
         if not held_out:
             assert at_rest.size > 60 and math.sqrt(np.mean(at_rest**2)) < 0.2
