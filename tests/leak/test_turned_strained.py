@@ -109,7 +109,7 @@ def test_thread_closes_by_a_law_of_its_own(way):
 
 
 def test_faces_of_von_mises_metal_sink_as_simulated():
-    """Cells of one crest, areas within a factor 1.4; pressures at rest from cells that are pressed further."""
+    """Cells of one crest, areas within a factor 1.25, or 1.5 held out; pressures at rest from cells pressed further."""
     states = turned_bulk.states()
     for held_out in (False, True):
         part = [one for one in states if turned_bulk.is_fitted(one) != held_out]
@@ -117,7 +117,7 @@ def test_faces_of_von_mises_metal_sink_as_simulated():
         valleys = [turned_bulk.along(one) / one.along for one in part[::4] if one.along > turned_bulk.OPEN]
         assert math.sqrt(np.mean(np.log(valleys) ** 2)) < 0.3
         assert areas.size > 100 and math.sqrt(np.mean(areas**2)) < (0.12 if held_out else 0.07)
-        assert abs(areas).max() < math.log(1.4)
+        assert abs(areas).max() < math.log(1.5 if held_out else 1.25)
         if not held_out:
             assert at_rest.size > 60 and math.sqrt(np.mean(at_rest**2)) < 0.2
 
