@@ -1,12 +1,13 @@
 """Rough faces over a bulk that is strained: the numbers of `leak.theory.bulk_flow`, and how far they are off.
 
     python benchmarks/bulk_flow.py             from benchmarks/bulk_flow.csv
-    python benchmarks/bulk_flow.py --fit       find the numbers once more
-    python benchmarks/bulk_flow.py --simulate FILE  simulate all paths once more, in some 20 minutes
+    python benchmarks/bulk_flow.py --fit       find the numbers once more, from what is not held out
+    python benchmarks/bulk_flow.py --simulate FILE  simulate all paths once more, in some 40 minutes
 
-Maps of 64^2 points, a roll-off of 4 waves to a side, rms slope 1 and E* = 1 are pressed on von Mises' metal to a part
-of the hardness and then strained in their plane at this pressure: along x, in both directions, or in one more and in
-the other less. Lengths of the gaps are over the rms height, conductivities over its cube.
+Maps of 64^2 points, rms slope 1 and E* = 1 are pressed on von Mises' metal to a part of the hardness and then strained
+in their plane at this pressure: along x, along y, in both directions, or in one more and in the other less. A lay
+stretches the map along x. Lengths of the gaps are over the rms height, conductivities over its cube. Maps that differ
+only by their seed count by their means.
 """
 
 from __future__ import annotations
@@ -14,48 +15,91 @@ from __future__ import annotations
 import csv
 import math
 import sys
+from collections import defaultdict
 from functools import cache
-from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import brentq, least_squares
 
 import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press_elastoplastic
 from leak.theory.bulk_flow import BULK_FLOW, BulkFlow, BulkFlowConstants, BulkStrain
 
 TABLE = Path(__file__).with_name("bulk_flow.csv")
-MODES = {"x": (1, 0), "-x": (-1, 0), "xy": (1, 1), "x-y": (1, -1), "-xy": (-1, -1)}
-WAVE, POINTS, CUT = 2.0 * np.pi, 64, 16
-# Ratios of conductivities down to which they are compared.
-OPEN, NEARLY_SEALED, TINY = 1e-2, 1e-3, 1e-12
-PATH = ("seed", "hurst", "rolloff", "hardness_over_modulus", "pressure_over_hardness", "mode")
-STRAINS = np.linspace(0.0, 0.3, 13)
-# Of areas and conductivities of single maps, in ln.
-SCATTER = (0.06, 0.35)
+MODES = {
+    "x": (1, 0),
+    "-x": (-1, 0),
+    "y": (0, 1),
+    "-y": (0, -1),
+    "xy": (1, 1),
+    "x-y": (1, -1),
+    "-xy": (-1, -1),
+}
+WAVE, POINTS = 2.0 * np.pi, 64
+# Ratios of conductivities down to which they are compared, and from which on a face is sealed.
+OPEN, NEARLY_SEALED, SEALED, TINY = 1e-2, 1e-3, 1e-6, 1e-12
+# Below this conductivity of the face at rest one map of four carries nearly all.
+LEAST_AT_REST = 0.03
+PATH = (
+    "lay",
+    "cutoff",
+    "hurst",
+    "rolloff",
+    "hardness_over_modulus",
+    "pressure_over_hardness",
+    "mode",
+    "held_out",
+)
+STRAINS = (0.0, 0.02, 0.04, 0.06, 0.09, 0.12, 0.16, 0.2, 0.26, 0.33, 0.4)
+# Of areas, conductivities, those nearly sealed and those of one direction, in ln; and what counts at most.
+SCATTER, MOST = (0.06, 0.3, 0.7, 0.5), 3.0
+# Read off the strains that seal, and off what is printed.
+NOT_FITTED = ("least", "spread")
 
 
 class State(NamedTuple):
-    """A strained face over the one that is not; conductivities along and across x."""
+    """A strained face over the one that is not, means of some maps; conductivities along and across x."""
 
     path: tuple[str, ...]
-    surface: leak.RoughContact
-    pressure: float
-    strains: tuple[float, float]
+    maps: int
+    at_rest: float
+    strain: float
     area: float
     along: float
     across: float
 
+    @property
+    def mean(self) -> float:
+        """Of both conductivities."""
+        return 0.5 * (self.along + self.across)
+
+    @property
+    def is_mean(self) -> bool:
+        """Whether enough maps of an isotropic face let enough through."""
+        return self.maps > 3 and self.path[0] == "1" and self.at_rest > LEAST_AT_REST
+
 
 @cache
-def face(hurst: float, rolloff: float, hardness: float) -> leak.RoughContact:
-    """Of rms slope 1."""
-    ends = {"q_low": 0.999 * rolloff * WAVE, "q_rolloff": rolloff * WAVE, "q_high": CUT * WAVE}
+def spectrum(lay: float, cutoff: float, hurst: float, rolloff: float) -> leak.PowerSpectrum:
+    """That a lay makes one of rms slope 1."""
+    ends = {"q_low": 0.999 * rolloff * WAVE, "q_rolloff": rolloff * WAVE, "q_high": cutoff * WAVE}
     unit = leak.PowerSpectrum.self_affine(rms_height=1.0, hurst=hurst, **ends)
+    return unit.scaled(1.0 / leak.stretched_spectrum(unit, lay).rms_slope)
+
+
+@cache
+def face(
+    lay: float, cutoff: float, hurst: float, rolloff: float, hardness: float, *, turned: bool = False
+) -> leak.RoughContact:
+    """Of rms slope 1, for flow along x or, turned, across it."""
     return leak.RoughContact(
-        unit.scaled(1.0 / unit.rms_slope), effective_modulus=1.0, hardness=hardness, theory="corrected"
+        leak.stretched_spectrum(spectrum(lay, cutoff, hurst, rolloff), lay),
+        effective_modulus=1.0,
+        hardness=hardness,
+        theory="corrected",
+        peklenik=1.0 / lay if turned else lay,
     )
 
 
@@ -66,31 +110,39 @@ def table(surface: leak.RoughContact) -> leak.ConductivityTable:
 
 
 def states() -> list[State]:
-    """Of the table, each path over its first state."""
-    found = []
+    """Of the table, at the strains that all maps of a path know."""
+    paths: dict[tuple[str, ...], dict[str, dict[float, list[float]]]] = defaultdict(lambda: defaultdict(dict))
     with TABLE.open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    for path, group in groupby(rows, key=lambda row: tuple(row[name] for name in PATH)):
-        _, hurst, rolloff, hardness, share, mode = path
-        first, *rest = group
-        surface = face(float(hurst), float(rolloff), float(hardness))
-        for row in rest:
-            x, y = (sign * float(row["strain"]) for sign in MODES[mode])
-            ratios = [float(row[name]) / float(first[name]) for name in ("area", "k_along", "k_across")]
-            found.append(State(path, surface, float(share) * float(hardness), (x, y), *ratios))
+        for row in csv.DictReader(file):
+            values = [float(row[name]) for name in ("area", "k_along", "k_across")]
+            paths[tuple(row[name] for name in PATH)][row["seed"]][float(row["strain"])] = values
+    found = []
+    for path, maps in paths.items():
+        strains = sorted(set.intersection(*map(set, maps.values())))
+        mean = np.mean([[one[strain] for strain in strains] for one in maps.values()], axis=0)
+        at_rest = float(mean[0, 1:].mean())
+        found += [
+            State(path, len(maps), at_rest, strain, *map(float, values / mean[0]))
+            for strain, values in zip(strains[1:], mean[1:], strict=True)
+        ]
     return found
 
 
 def theory(state: State, constants: BulkFlowConstants = BULK_FLOW) -> tuple[float, float, float]:
     """Ratios of area and conductivities along and across x."""
-    rest, p = state.surface, state.pressure
-    area, ratios = float(np.asarray(rest.contact_area(p))), []
-    for strains in (state.strains, state.strains[::-1]):
+    *shape, share, mode, _ = state.path
+    *shape, hardness = map(float, shape)
+    p, ratios = float(share) * hardness, []
+    strains = tuple(sign * state.strain for sign in MODES[mode])
+    for turned in (False, True):
+        rest = face(*shape, hardness, turned=turned)
+        area = float(np.asarray(rest.contact_area(p)))
         bulk = BulkFlow.of(
-            BulkStrain(*strains),
+            BulkStrain(*(strains[::-1] if turned else strains)),
             rms_slope=rest.spectrum.rms_slope,
-            hardness=rest.hardness,
+            hardness=hardness,
             effective_modulus=rest.effective_modulus,
+            peklenik=rest.peklenik,
             constants=constants,
         )
         u = np.asarray(table(rest).effective_separation([p, float(bulk.pressure(area, p))]))
@@ -98,64 +150,126 @@ def theory(state: State, constants: BulkFlowConstants = BULK_FLOW) -> tuple[floa
     return float(bulk.area(area, p)) / area, *ratios
 
 
+def log_misses(state: State, constants: BulkFlowConstants = BULK_FLOW) -> list[float]:
+    """ln(theory/direct) of area, mean conductivity, and conductivities along and across x."""
+    area, *k = theory(state, constants)
+    pairs = [(area, state.area), (0.5 * sum(k), state.mean), (k[0], state.along), (k[1], state.across)]
+    return [math.log(max(one, TINY) / max(other, TINY)) for one, other in pairs]
+
+
 def fit(of: list[State]) -> BulkFlowConstants:
     """The numbers that meet areas and conductivities best, as far as these are not nearly sealed."""
+    names = [name for name in BulkFlowConstants._fields if name not in NOT_FITTED]
+    start = np.array([getattr(BULK_FLOW, name) for name in names])
+
+    def constants(values: np.ndarray) -> BulkFlowConstants:
+        return BULK_FLOW._replace(**dict(zip(names, map(float, values), strict=True)))
 
     def miss(values: np.ndarray) -> np.ndarray:
         misses = []
         for state in of:
-            area, *ratios = theory(state, BulkFlowConstants(*values))
-            misses.append((math.log(area / state.area)) / SCATTER[0])
-            is_open = 0.5 * (state.along + state.across) > 0.2 * OPEN
-            for ratio, found in zip(ratios, (state.along, state.across), strict=True):
-                error = math.log(max(ratio, TINY) / max(found, TINY))
-                misses.append(is_open * min(max(error, -1.5), 1.5) / SCATTER[1])
+            area, *k = np.clip(log_misses(state, constants(values)), -MOST, MOST)
+            is_open, is_left = state.mean > OPEN, state.mean > NEARLY_SEALED
+            both = is_left * k[0] / SCATTER[1 if is_open else 2]
+            single = [is_open * one / SCATTER[3] for one in k[1:]]
+            weight = 0.5 * math.sqrt(min(state.maps, 4))
+            misses += [weight * one for one in (area / SCATTER[0], both, *single)]
         return np.array(misses)
 
-    # the spread is read off what is printed
-    return BulkFlowConstants(*least_squares(miss, BULK_FLOW[:-1]).x)
+    found = least_squares(miss, start, x_scale=np.abs(start), loss="soft_l1", diff_step=1e-4)
+    return constants(found.x)
 
 
-def simulate(path: tuple[str, ...], file: TextIO) -> None:
+def sealing_strain(of: list[State], level: float) -> float | None:
+    """Theory's over the direct one's strain that leaves a part of the conductivity; None where a path ends before."""
+    logs = np.log([1.0, *(max(state.mean, TINY) for state in of)])
+    if logs[-1] > math.log(level):
+        return None
+    after = int(np.argmax(logs <= math.log(level)))
+    # of what is sealed only that it is
+    ends = np.maximum(logs[after - 1 : after + 1], math.log(1e-3 * SEALED))
+    strains = [0.0, *(state.strain for state in of)]
+    strain = float(np.interp(-math.log(level), -ends, strains[after - 1 : after + 1]))
+
+    def too_open(factor: float) -> float:
+        return math.log(max(0.5 * sum(theory(of[0]._replace(strain=factor * strain))[1:]), TINY) / level)
+
+    return float(brentq(too_open, 0.2, 5.0, xtol=1e-3))
+
+
+def simulate(row: dict[str, str], file: TextIO) -> None:
     """Append the states of a path to a table."""
-    seed, hurst, rolloff, hardness, share, mode = path
-    spectrum = face(float(hurst), float(rolloff), float(hardness)).spectrum
-    h = leak.random_map(spectrum, size=1.0, points=POINTS, seed=int(seed), amplitudes="exact")
-    body, metal = PeriodicHalfSpace(POINTS, 1.0, 1.0), {"yield_stress": float(hardness) / 2.9}
-    pressure, state = float(share) * float(hardness), None
-    for p in np.linspace(0.0, pressure, max(round(float(share) / 0.0125), 2) + 1)[1:]:
+    shape = [float(row[name]) for name in PATH[:4]]
+    hardness, share = float(row["hardness_over_modulus"]), float(row["pressure_over_hardness"])
+    h = leak.random_map(
+        spectrum(*shape),
+        size=1.0,
+        points=POINTS,
+        seed=int(row["seed"]),
+        peklenik=shape[0],
+        amplitudes="exact",
+    )
+    body, metal = PeriodicHalfSpace(POINTS, 1.0, 1.0), {"yield_stress": hardness / 2.9}
+    pressure, state = share * hardness, None
+    for p in np.linspace(0.0, pressure, max(round(share / 0.0125), 2) + 1)[1:]:
         (state,) = press_elastoplastic(body, h, [p], start=state, **metal)
     for strain in STRAINS:
-        both = [[sign * strain for sign in MODES[mode]]]
+        both = [[sign * strain for sign in MODES[row["mode"]]]]
         (state,) = press_elastoplastic(body, h, [pressure], start=state, strain=both, **metal)
         k = [
             patch_flow(np.ascontiguousarray(gap)).gap_cubed / h.std() ** 3 for gap in (state.gap, state.gap.T)
         ]
         values = (strain, state.contact_area, state.gap.mean() / h.std(), *k)
-        file.write(",".join([*path, *(f"{value:.5g}" for value in values)]) + "\n")
+        line = [row["seed"], *(row[name] for name in PATH), *(f"{value:.5g}" for value in values)]
+        file.write(",".join(line) + "\n")
 
 
 def main() -> None:
     """Print the numbers."""
     if "--simulate" in sys.argv:
+        with TABLE.open(encoding="utf-8") as file:
+            rows = {tuple(row[name] for name in ("seed", *PATH)): row for row in csv.DictReader(file)}
         with Path(sys.argv[-1]).open("w", encoding="utf-8") as file:
-            file.write(",".join([*PATH, "strain", "area", "gap", "k_along", "k_across"]) + "\n")
-            for path in dict.fromkeys(state.path for state in states()):
-                simulate(path, file)
+            file.write(",".join(["seed", *PATH, "strain", "area", "gap", "k_along", "k_across"]) + "\n")
+            for row in rows.values():
+                simulate(row, file)
         return
     of = states()
     if "--fit" in sys.argv:
-        print(fit(of))
-    for name in MODES:
-        part = [(theory(state), state) for state in of if state.path[-1] == name]
-        area = np.array([math.log(found[0] / state.area) for found, state in part])
-        k = np.array([[found[1] + found[2], state.along + state.across] for found, state in part])
-        print(f"{name}: {len(part)} states, area rms {rms(area):.3f}, worst {abs(area).max():.2f}")
-        for low, high in ((OPEN, 2.0), (NEARLY_SEALED, OPEN)):
-            ratio = k[(k[:, 1] > 2.0 * low) & (k[:, 1] <= 2.0 * high)]
-            error = np.log(np.maximum(ratio[:, 0], TINY) / ratio[:, 1])
+        print(fit([state for state in of if state.path[-1] == "0"]))
+    means = [state for state in of if state.is_mean]
+    print_errors("means of four maps", means)
+    print_errors("    of these held out", [state for state in means if state.path[-1] == "1"])
+    print_errors("one to three maps", [state for state in of if state.maps < 4])
+    with_lay = [state for state in of if state.path[0] != "1"]
+    for name in dict.fromkeys(state.path for state in with_lay):
+        print_errors(f"lay {name}", [state for state in with_lay if state.path == name])
+    for level in (NEARLY_SEALED, SEALED):
+        ratios = [
+            sealing_strain([one for one in means if one.path == path], level) for path in paths_of(means)
+        ]
+        print(f"strain that leaves {level:g}, theory/direct:", sorted(round(one, 2) for one in ratios if one))
+
+
+def paths_of(of: list[State]) -> list[tuple[str, ...]]:
+    """Each path once."""
+    return list(dict.fromkeys(state.path for state in of))
+
+
+def print_errors(name: str, of: list[State]) -> None:
+    """Of areas, of conductivities, and of those along and across x."""
+    error = np.array([log_misses(state) for state in of])
+    left = np.array([[state.mean, state.along, state.across] for state in of])
+    sunk = 1.0 - 1.0 / np.array([state.area for state in of])
+    area = error[:, 0]
+    print(f"{name}: {len(of)} states, area rms {rms(area):.3f}, {area.min():.2f} to {area.max():.2f}")
+    for low, high in ((OPEN, 2.0), (NEARLY_SEALED, OPEN), (NEARLY_SEALED, 2.0)):
+        parts = (left > low) & (left <= high)
+        if parts.any(axis=0).all():
+            mean, along, across = (rms(error[part, i]) for i, part in enumerate(parts.T, 1))
             print(
-                f"    conductivity above {low:g}: {len(error)}, rms {rms(error):.2f}, mean {error.mean():.2f}"
+                f"    conductivity {low:g} to {high:g}: {parts[:, 0].sum()}, rms {mean:.2f}, along x {along:.2f},"
+                f" across {across:.2f}; over the share of the area from sinking {mean / rms(sunk[parts[:, 0]]):.2f}"
             )
 
 

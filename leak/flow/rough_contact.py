@@ -189,7 +189,7 @@ class RoughContact:
 
         Where the bulk flows nothing elastic holds the asperities from below: they sink under a pressure of about the
         yield stress. The strain is that of the softer body, from first loading on; another call replaces it. Simulated
-        for H/(E* h') of 0.02 to 0.2, p/H of 0.02 to 0.3 and strains up to 0.3 h', h' the rms slope.
+        for H/(E* h') of 0.02 to 0.2, p/H of 0.02 to 0.3 and strains up to 0.4 h', h' the rms slope, with a lay up to 5.
 
         Parameters
         ----------
@@ -236,6 +236,7 @@ class RoughContact:
             rms_slope=self.spectrum.rms_slope,
             hardness=self.hardness,
             effective_modulus=self.effective_modulus,
+            peklenik=self.peklenik,
         )
 
     def pressure_at_rest(self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike) -> FloatArray:

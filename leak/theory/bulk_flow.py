@@ -1,9 +1,10 @@
 """Asperities over metal whose bulk flows: they sink, since nothing elastic holds them from below.
 
 The hardness of 2.9 yield stresses is that of a summit in elastic metal. Bulk that is strained in its plane yields at
-any further pressure, and the more of the face touches, the slower the rest sinks: dA = K x/(1 + b x) (1 - A) de, with
-x = p/H and e the plastic strain of the bulk over the rms slope. The gaps close further than by pressing to the same
-area.
+any further pressure, and the more of the face touches, the slower the rest sinks: dA = K x/(1 + b x) (S - A) de, with
+x = p/H and e the plastic strain of the bulk over the rms slope. S is one, and more where the bulk becomes narrower:
+then its metal rises into the valleys by itself. The gaps close further than by pressing to the same area while little
+touches, and less so the more does.
 """
 
 from __future__ import annotations
@@ -23,28 +24,34 @@ class BulkFlowConstants(NamedTuple):
 
     Examples
     --------
-    >>> BulkFlowConstants().delay < 1.0
+    >>> BulkFlowConstants().least < 1.0
     True
     """
 
-    rate: float = 10.9
+    rate: float = 11.8
     """K, of strain that makes one direction as much wider as the other one narrower."""
-    load: float = 0.8
+    load: float = 1.2
     """b, by how much the growth of the area over the load falls with the load."""
-    softness: float = 4.8
+    softness: float = 4.3
     """By how much slower the area grows, over H/(E* h'): part of it is elastic."""
-    delay: float = 0.5
-    """Share of the yield strain by which the flattening begins late."""
-    wider: float = 0.6
-    """By how much faster it goes where the area grows by all of the strain."""
-    narrower: float = -0.12
-    """... where it shrinks by all of it."""
-    closing: float = 2.33
-    """Growth of the pressure that would close the gaps as far, over that of the area touched."""
-    crowded: float = 2.47
-    """By how much that falls with the area touched."""
-    direction: float = 0.13
+    early: float = 0.62
+    """Share of the yield strain by which flattening begins earlier where the area grows by all of the strain, and later
+    where it shrinks: it is late by the yield strain between both."""
+    wider: float = 0.44
+    """By how much faster it goes where the area grows by all of the strain, and slower where it shrinks."""
+    rising: float = 0.56
+    """By how much S exceeds one where the area shrinks by all of the strain."""
+    closing: float = 1.64
+    """Growth of the pressure that would close the gaps as far, over that of the area touched, while little touches."""
+    crowded: float = 3.4
+    """One over the area touched from which on it falls."""
+    least: float = 0.9
+    """To what: strained faces seal at a little more area than the theory has where faces at rest seal."""
+    direction: float = 0.11
     """By how much less the gaps close for flow along the strain, and more for flow across it."""
+    lay: float = 0.14
+    """Power of the Peklenik number by which strain along the lay flattens less and strain across it more, and by which
+    the gaps close less for flow along the lay."""
     spread: float = 0.5
     """Standard deviation of ln(direct/theory) of conductivities where all of the contact is from sinking."""
 
@@ -87,6 +94,10 @@ class BulkFlow(NamedTuple):
         1 where all of it is along the flow, -1 across it [-].
     hardness : float
         Of the asperities, 2.9 times their yield stress [Pa].
+    filled : ndarray
+        Area towards which it goes, S [-].
+    channels : float
+        By how much the gaps close less for flow along the lay [-].
     constants : BulkFlowConstants
 
     Examples
@@ -99,6 +110,8 @@ class BulkFlow(NamedTuple):
     strain: FloatArray | float
     direction: FloatArray | float
     hardness: float
+    filled: FloatArray | float = 1.0
+    channels: float = 1.0
     constants: BulkFlowConstants = BULK_FLOW
 
     @classmethod
@@ -109,6 +122,7 @@ class BulkFlow(NamedTuple):
         rms_slope: float,
         hardness: float,
         effective_modulus: float,
+        peklenik: float = 1.0,
         constants: BulkFlowConstants = BULK_FLOW,
     ) -> BulkFlow:
         """Of strains, zero at places that have none.
@@ -122,6 +136,8 @@ class BulkFlow(NamedTuple):
             Of the asperities [Pa].
         effective_modulus : float
             E* of a solid on a rigid one, whose Poisson's ratio is 0.3 [Pa].
+        peklenik : float
+            Length of the asperities along the flow over that across it [-].
         constants : BulkFlowConstants
         """
         meridional, hoop, yield_stress = strain
@@ -130,15 +146,22 @@ class BulkFlow(NamedTuple):
         stress = hardness / HARDNESS_OVER_YIELD_STRESS if yield_stress is None else yield_stress
         # of metal that keeps its volume, and the same where it begins to yield
         equivalent = 2.0 / math.sqrt(3.0) * np.sqrt(square)
-        late = c.delay * 2.0 * (1.0 + _POISSON) / 3.0 * stress / ((1.0 - _POISSON**2) * effective_modulus)
+        yields = 2.0 * (1.0 + _POISSON) / 3.0 * stress / ((1.0 - _POISSON**2) * effective_modulus)
         some = square > 0.0
         wider = np.divide(meridional + hoop, equivalent, out=np.zeros(some.shape), where=some)
+        late = (1.0 - c.early * wider) * yields
         plastic = np.hypot(equivalent, late) - late
-        rate = 1.0 + c.wider * np.maximum(wider, 0.0) + c.narrower * np.maximum(-wider, 0.0)
         direction = np.divide(meridional**2 - hoop**2, square, out=np.zeros(some.shape), where=some)
+        rate = (1.0 + c.wider * wider) * peklenik ** (-c.lay * direction)
         softer = 1.0 + c.softness * HARDNESS_OVER_YIELD_STRESS * stress / (effective_modulus * rms_slope)
-        flattening = plastic * rate / softer / rms_slope
-        return cls(flattening, direction, HARDNESS_OVER_YIELD_STRESS * stress, c)
+        return cls(
+            plastic * rate / softer / rms_slope,
+            direction,
+            HARDNESS_OVER_YIELD_STRESS * stress,
+            1.0 + c.rising * np.maximum(-wider, 0.0),
+            max(peklenik, 1.0) ** -c.lay,
+            c,
+        )
 
     def area(self, area: FloatArray, pressure: FloatArray) -> FloatArray:
         """A/A0 from that over a bulk that is not strained [-].
@@ -153,10 +176,9 @@ class BulkFlow(NamedTuple):
         return np.asarray(area + self._growth(area, pressure))
 
     def _growth(self, area: FloatArray, pressure: FloatArray) -> FloatArray:
-        c, x = self.constants, np.asarray(pressure) / self.hardness
-        return np.asarray(
-            (1.0 - np.asarray(area)) * -np.expm1(-c.rate * self.strain * x / (1.0 + c.load * x))
-        )
+        c, x, left = self.constants, np.asarray(pressure) / self.hardness, 1.0 - np.asarray(area)
+        sunk = -np.expm1(-c.rate * self.strain * x / (1.0 + c.load * x))
+        return np.asarray(np.minimum((self.filled - 1.0 + left) * sunk, left))
 
     def pressure(self, area: FloatArray, pressure: FloatArray) -> FloatArray:
         """Nominal pressure at which the face over a bulk that is not strained lets as much through [Pa].
@@ -167,7 +189,9 @@ class BulkFlow(NamedTuple):
             See `area`.
         """
         c, growth = self.constants, self._growth(area, pressure)
-        closing = c.closing * (1.0 - c.direction * self.direction) / (1.0 + c.crowded * (area + growth))
+        alone = (1.0 + (c.crowded * (area + growth)) ** 4) ** -0.25
+        ahead = c.closing * alone * (1.0 - c.direction * self.direction * alone)
+        closing = np.maximum(ahead, c.least) * self.channels
         with np.errstate(divide="ignore", invalid="ignore"):
             further = np.where(np.asarray(area) > 0.0, growth / area, 0.0)
         return np.asarray(pressure * (1.0 + closing * further))

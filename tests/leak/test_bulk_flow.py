@@ -102,17 +102,65 @@ def test_impossible_strains_are_refused(changes, strain, words):
         face(**changes).strained(strain, 0.0)
 
 
-def test_fitted_paths_are_met():
-    """Area within 20 %, its rms 7 %; conductivities of single maps, rms of ln 0.35 while a hundredth is left."""
-    found = [(state, bulk_flow.theory(state)) for state in bulk_flow.states()]
-    area = np.log([theory[0] / state.area for state, theory in found])
-    k = np.array([[theory[1] + theory[2], state.along + state.across] for state, theory in found])
-    is_open = k[:, 1] > 2e-2
-    error = np.log(k[is_open, 0] / k[is_open, 1])
-    assert len(area) > 80
-    assert np.sqrt(np.mean(area**2)) < 0.07
-    assert abs(area).max() < 0.22
-    assert np.sqrt(np.mean(error**2)) < 0.35
+def rms(values) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+MEANS = [state for state in bulk_flow.states() if state.is_mean]
+
+
+@pytest.mark.parametrize("part", ["all", "held out"])
+def test_means_of_four_maps_are_met(part: str):
+    """Areas within 15 %; conductivities, rms of ln, 0.35 above a hundredth and 0.7 above a thousandth."""
+    of = [state for state in MEANS if part == "all" or state.path[-1] == "1"]
+    error, left = np.array([bulk_flow.log_misses(state)[:2] for state in of]), np.array([s.mean for s in of])
+    assert len(of) > 70
+    assert np.abs(np.expm1(error[:, 0])).max() < 0.15
+    assert rms(error[left > 1e-2, 1]) < 0.35
+    assert rms(error[left > 1e-3, 1]) < 0.7
+
+
+@pytest.mark.parametrize("level", [1e-3, 1e-6])
+def test_seals_where_the_simulation_does(level: float):
+    """Strain that leaves a thousandth and a millionth, means of four maps, within a factor 1.3."""
+    paths = [[state for state in MEANS if state.path == path] for path in bulk_flow.paths_of(MEANS)]
+    ratios = [ratio for ratio in (bulk_flow.sealing_strain(path, level) for path in paths) if ratio]
+    assert len(ratios) > 7
+    assert min(ratios) > 1.0 / 1.3
+    assert max(ratios) < 1.3
+
+
+def test_faces_with_a_lay_are_met():
+    """Strained along the lay and across it, three and five times as long as wide: areas within 15 %."""
+    of = [state for state in bulk_flow.states() if state.path[0] != "1"]
+    error = np.array([bulk_flow.log_misses(state) for state in of])
+    left = np.array([[state.mean, state.along, state.across] for state in of])
+    assert len(of) > 50
+    assert np.abs(np.expm1(error[:, 0])).max() < 0.15
+    for i in range(3):
+        assert rms(error[left[:, i] > 1e-2, 1 + i]) < 0.35
+
+
+def test_lay_and_strain_may_be_turned_together():
+    along, across = (face(peklenik=ratio) for ratio in (5.0, 0.2))
+    for way in ((0.02, 0.0), (-0.02, 0.0), (0.02, -0.02)):
+        area = along.strained(*way).contact_area(PRESSURE)
+        assert area == pytest.approx(across.strained(*way[::-1]).contact_area(PRESSURE), rel=1e-9)
+    # the crests of a lay sink more easily under strain across it
+    assert (
+        along.strained(0.0, 0.02).contact_area(PRESSURE) > along.strained(0.02, 0.0).contact_area(PRESSURE)
+    ).all()
+
+
+def test_much_strain_seals_for_good():
+    """Each step of strain closes further, up to a face that is flat."""
+    for peklenik in (0.1, 1.0, 10.0):
+        for way in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
+            strain = np.outer(np.linspace(0.0, 0.9, 200), way)
+            surface = face(peklenik=peklenik)
+            at_rest = surface.pressure_at_rest(np.full(200, 5e7), *strain.T)
+            assert (np.diff(at_rest) >= 0.0).all()
+            assert at_rest[-1] > surface.sealing_pressure
 
 
 @pytest.mark.skipif(
@@ -133,16 +181,16 @@ def test_another_code_flattens_alike():
             first[path] = touched, k
         if strain == 0.0 or path not in first or k < 1e-2 * first[path][1]:
             continue
-        surface = bulk_flow.face(0.8, 4.0, float(path[1]))
+        shape, ratio = ("1", "16", "0.8", "4", *path[1:], "x", "1"), k / first[path][1]
         state = bulk_flow.State(
-            path, surface, float(path[2]) * float(path[1]), (strain, 0.0), *([touched / first[path][0]] * 3)
+            shape, 1, first[path][1], strain, touched / first[path][0], along=ratio, across=ratio
         )
-        theory = bulk_flow.theory(state)
-        area.append(math.log(theory[0] / state.area))
-        flow.append(math.log(0.5 * (theory[1] + theory[2]) / (k / first[path][1])))
+        of_area, of_flow, *_ = bulk_flow.log_misses(state)
+        area.append(of_area)
+        flow.append(of_flow)
     assert len(area) > 30
-    assert np.sqrt(np.mean(np.square(area))) < 0.15
-    assert np.sqrt(np.mean(np.square(flow))) < 0.35
+    assert rms(area) < 0.15
+    assert rms(flow) < 0.35
 
 
 def test_pressure_at_rest_lets_as_much_through_at_many_places_at_once() -> None:
