@@ -55,8 +55,8 @@ PATH = (
 STRAINS = (0.0, 0.02, 0.04, 0.06, 0.09, 0.12, 0.16, 0.2, 0.26, 0.33, 0.4)
 # Of areas, conductivities, those nearly sealed and those of one direction, in ln; and what counts at most.
 SCATTER, MOST = (0.06, 0.3, 0.7, 0.5), 3.0
-# Read off the strains that seal, and off what is printed.
-NOT_FITTED = ("least", "spread")
+# One yield strain, read off the strains that seal, and off what is printed.
+NOT_FITTED = ("delay", "least", "spread")
 
 
 class State(NamedTuple):

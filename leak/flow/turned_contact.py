@@ -70,7 +70,17 @@ _OPEN_PLACES, _FEWER_PLACES, _MEAN, _HALF_LOST, _STRAIN_FACTOR = 0.61, 0.24, -0.
 # share of its flow that widens the metal across them. Valleys have their own `closing`, and a table so many points.
 _CRESTS_FLOW, _FLOWS_ACROSS, _VALLEYS_CLOSE, _FINE = (
     BulkFlowConstants(
-        rate=4.0, load=0.0, softness=0.0, wider=0.0, narrower=0.0, closing=1.35, crowded=0.0, direction=0.35
+        rate=4.0,
+        load=0.0,
+        softness=0.0,
+        delay=0.5,
+        early=0.0,
+        wider=0.0,
+        rising=0.0,
+        closing=1.35,
+        crowded=0.0,
+        least=0.0,
+        direction=0.35,
     ),
     3.7,
     2.4,

@@ -34,9 +34,10 @@ class BulkFlowConstants(NamedTuple):
     """b, by how much the growth of the area over the load falls with the load."""
     softness: float = 4.3
     """By how much slower the area grows, over H/(E* h'): part of it is elastic."""
+    delay: float = 1.0
+    """Yield strains by which the flattening begins late."""
     early: float = 0.62
-    """Share of the yield strain by which flattening begins earlier where the area grows by all of the strain, and later
-    where it shrinks: it is late by the yield strain between both."""
+    """Share by which it is less late where the area grows by all of the strain, and later where it shrinks."""
     wider: float = 0.44
     """By how much faster it goes where the area grows by all of the strain, and slower where it shrinks."""
     rising: float = 0.56
@@ -149,7 +150,7 @@ class BulkFlow(NamedTuple):
         yields = 2.0 * (1.0 + _POISSON) / 3.0 * stress / ((1.0 - _POISSON**2) * effective_modulus)
         some = square > 0.0
         wider = np.divide(meridional + hoop, equivalent, out=np.zeros(some.shape), where=some)
-        late = (1.0 - c.early * wider) * yields
+        late = c.delay * (1.0 - c.early * wider) * yields
         plastic = np.hypot(equivalent, late) - late
         direction = np.divide(meridional**2 - hoop**2, square, out=np.zeros(some.shape), where=some)
         rate = (1.0 + c.wider * wider) * peklenik ** (-c.lay * direction)
