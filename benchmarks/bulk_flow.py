@@ -38,10 +38,8 @@ MODES = {
     "-xy": (-1, -1),
 }
 WAVE, POINTS = 2.0 * np.pi, 64
-# Ratios of conductivities down to which they are compared, and from which on a face is sealed.
-OPEN, NEARLY_SEALED, SEALED, TINY = 1e-2, 1e-3, 1e-6, 1e-12
-# Below this conductivity of the face at rest one map of four carries nearly all.
-LEAST_AT_REST = 0.03
+# Ratios of conductivities down to which they are compared.
+OPEN, NEARLY_SEALED, TINY = 1e-2, 1e-3, 1e-12
 PATH = (
     "lay",
     "cutoff",
@@ -78,7 +76,8 @@ class State(NamedTuple):
     @property
     def is_mean(self) -> bool:
         """Whether enough maps of an isotropic face let enough through."""
-        return self.maps > 3 and self.path[0] == "1" and self.at_rest > LEAST_AT_REST
+        # where less is left at rest one map of four carries nearly all
+        return self.maps > 3 and self.path[0] == "1" and self.at_rest > 0.03
 
 
 @cache
@@ -187,7 +186,7 @@ def sealing_strain(of: list[State], level: float) -> float | None:
         return None
     after = int(np.argmax(logs <= math.log(level)))
     # of what is sealed only that it is
-    ends = np.maximum(logs[after - 1 : after + 1], math.log(1e-3 * SEALED))
+    ends = np.maximum(logs[after - 1 : after + 1], math.log(1e-9))
     strains = [0.0, *(state.strain for state in of)]
     strain = float(np.interp(-math.log(level), -ends, strains[after - 1 : after + 1]))
 
@@ -244,7 +243,7 @@ def main() -> None:
     with_lay = [state for state in of if state.path[0] != "1"]
     for name in dict.fromkeys(state.path for state in with_lay):
         print_errors(f"lay {name}", [state for state in with_lay if state.path == name])
-    for level in (NEARLY_SEALED, SEALED):
+    for level in (NEARLY_SEALED, 1e-6):
         ratios = [
             sealing_strain([one for one in means if one.path == path], level) for path in paths_of(means)
         ]
