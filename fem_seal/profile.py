@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from leak.flow.conductivity import RemembersLoad
     from leak.flow.contact_profile import ContactProfile
+    from leak.flow.rough_contact import RoughContact
     from leak.flow.turned_contact import FaceContact
 
 # Pressure that is as good as none [Pa].
@@ -191,6 +192,21 @@ class PressureProfile:
             return 0.0, 0.0
         along, hoop = (float(np.interp(self.peak[0], self.x, part)) for part in self.strain.T)
         return along, hoop
+
+    @property
+    def without_strain(self) -> PressureProfile:
+        """The same over metal that is not strained."""
+        return replace(self, strain=None, parts=tuple(part.without_strain for part in self.parts))
+
+    def surface_at_peak(self, surface: RoughContact) -> RoughContact:
+        """A surface over metal that is strained as at the peak; itself where its theory knows of no strain.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        """
+        knows = surface.hardness is not None and surface.knows_deviation
+        return surface.strained(*self.peak_strain) if knows else surface
 
     def equivalent(self, table: RemembersLoad, surface: FaceContact) -> PressureProfile:
         """Profile of new faces over metal that is not strained which lets as much through at every point.

@@ -305,8 +305,7 @@ class CaseLoad(LoadResult):
             return surface.flow_error(
                 self.peak_pressure, waves=waves, largest=profile.highest, strain=profile.peak_strain
             )
-        surface = surface if surface.hardness is None else surface.strained(*profile.peak_strain)
-        return surface.flow_error(self.peak_pressure, waves=waves)
+        return profile.surface_at_peak(surface).flow_error(self.peak_pressure, waves=waves)
 
     @property
     def stop_force(self) -> float | None:

@@ -485,6 +485,7 @@ def _create_folder(folder: Path) -> Path:
 def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
     from fem_seal.seal.problem import problems_of
+    from fem_seal.validity.checks import hardness_cautions
     from fem_seal.validity.fluid import film_cautions
     from fem_seal.validity.materials import material_cautions
 
@@ -502,7 +503,7 @@ def _remarks(case: Case) -> list[str]:
     first = problems[0]
     remarks.extend(text for _, _, text in first.origin.face_remarks)
     remarks.extend(creep_remarks(first.labelled_materials))
-    remarks.extend((*film_cautions(first), *material_cautions(first)))
+    remarks.extend((*film_cautions(first), *hardness_cautions(first), *material_cautions(first)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 

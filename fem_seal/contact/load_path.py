@@ -22,6 +22,7 @@ from fem_seal.contact.plastic_step import (
     YieldingBody,
     larger_strain,
     press,
+    strain_size,
     unloading_model,
 )
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
@@ -657,6 +658,15 @@ class ElastoplasticContact(ContactSolution):
         for flattening in self.flattening.values():
             strain = larger_strain(strain, flattening.strain)
         return strain
+
+    @property
+    def flowing_body(self) -> str:
+        """Name of the body that has flowed most below the highest pressure; empty where none has."""
+        at = [int(self.pressure.argmax())]
+        sizes = {
+            n: float(strain_size(f.strain[at])[0]) for n, f in self.flattening.items() if f.plastic[at].any()
+        }
+        return max(sizes, key=sizes.__getitem__, default="")
 
     @cached_property
     def unloading_model(self) -> ContactModel:

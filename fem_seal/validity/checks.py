@@ -13,6 +13,7 @@ from fem_seal.contact.solution import PlasticZone, YieldedZone, yielded_zone, yi
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.findings import (
+    AGREE,
     EXACT,
     ORDERS_OF_MAGNITUDE,
     Bounds,
@@ -83,6 +84,8 @@ _LESS_OF_LONG, _MORE_OF_LONG = 0.25, 1.5
 FLUID_OPENS = 0.1
 # ... and from which on a leak rate without this effect is meaningless.
 _FLUID_LIFTS = 0.5
+# Plastic strain of metal under an indent (D. Tabor), and by what factor a hardness may differ from that of its curve.
+_INDENT, _UNLIKE = 0.08, 2.0
 # Plastic strain up to which small-strain theory holds.
 _LARGE_STRAIN = 0.1
 # Separation of the surfaces over the radius of curvature of their faces, averaged over the contact pressure: above the
@@ -162,8 +165,34 @@ def load_cautions(
         yield from _interface_cautions(problem, problem.surface, loads, sealing)
 
 
+def hardness_cautions(problem: SealProblem) -> Iterator[Finding]:
+    """Questions about a hardness, by which asperities yield, that does not fit to the curve by which its body does.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    if problem.surface is None or problem.surface.hardness is None:
+        return
+    for label, material in problem.labelled_materials.items():
+        hardness, curve = material.hardness, material.hardening
+        if hardness is None or hardness != problem.hardness or curve is None:
+            continue
+        of_curve = HARDNESS_OVER_YIELD_STRESS * float(curve.flow_stress(np.array(_INDENT)))
+        if not 1.0 / _UNLIKE <= hardness / of_curve <= _UNLIKE:
+            finding = caution(
+                "hardness_of_curve",
+                name=label,
+                hardness=Quantity(hardness, ".3g MPa"),
+                of_curve=Quantity(of_curve, ".3g MPa"),
+                harder=hardness > of_curve,
+            )
+            yield replace(finding, level=Level.VALID)
+
+
 def _temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
     yield from film_cautions(problem)
+    yield from hardness_cautions(problem)
     if problem.at_rest.temperatures:
         yield from material_cautions(problem, bodies=bodies)
 
@@ -175,7 +204,7 @@ def _interface_cautions(
         yield from turned_cautions(surface, loads)
         if problem.flow is not None and problem.flow.direct is not None:
             load = max(loads, key=lambda load: load.peak_pressure)
-            yield from _direct_cautions(problem.flow.direct.table(surface), load, loads)
+            yield from _direct_cautions(problem.flow.direct.table(surface), load, loads, surface)
     else:
         sealing = surface.sealing_pressure if sealing is None else sealing
         yield from _sealed_loads(surface, loads, sealing)
@@ -226,9 +255,11 @@ def validity_of(
     # a gas percolates where a liquid does
     table = getattr(table, "liquid", table)
     if by_table and seal.seal_mesh is None and isinstance(table, ConductivityTable) and table.acts_at is None:
+        assert load.rough is not None  # of its table
         sealing = table.sealing_pressure
         # u_eff falls with pressure: its value at the next pressure of the table is a lower bound
-        separations = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
+        peak = load.tightest.at_rest(load.rough.surface).peak_pressure
+        separations = table.separation[table.pressure.searchsorted(peak) :]
         if len(separations) and separations[0] >= _WIDE_GAP:
             load = load.with_values(critical_separation=None)
     return load_validity(problem, load, sealing)
@@ -661,24 +692,24 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     )
 
 
-def _is_sealed(load: LoadResult, sealing: float) -> bool:
+def _is_sealed(load: LoadResult, surface: RoughContact, sealing: float) -> bool:
     """Whether a load is sealed by its own pressure, or still sealed by a larger load before.
 
     A short contact may leak above the sealing pressure. A seal that is not round may leak elsewhere.
     """
-    profile, leak = load.tightest, load.leak
+    profile, leak = load.tightest.at_rest(surface), load.leak
     if leak is None or load.circumference is not None:
         return profile.peak_pressure >= sealing
     return profile.highest >= sealing and leak.leak_rate == 0.0
 
 
 def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: float) -> Iterator[Finding]:
-    tight = [load for load in loads if _is_sealed(load, sealing)]
+    tight = [load for load in loads if _is_sealed(load, surface, sealing)]
     if tight:
         load = max(tight, key=lambda load: load.peak_pressure)
-        peak = load.tightest.highest
+        peak, acts = load.tightest.highest, load.tightest.at_rest(surface).highest
         first = load_words(min(tight, key=lambda load: load.point), loads)
-        leaky = surface.hardness is not None and surface.latest_sealing_pressure > peak
+        leaky = surface.hardness is not None and surface.latest_sealing_pressure > acts
         yield caution(
             "sealed",
             load,
@@ -687,6 +718,7 @@ def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: f
             threshold=surface.percolation_threshold,
             pressure=_named_pressure(load),
             peak=_stress(peak, load, sealing),
+            acts=_stress(acts, load, sealing) if acts > AGREE * peak else None,
             limit=Quantity(sealing, "fixed MPa"),
             first=first,
         )
@@ -696,17 +728,18 @@ def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: f
 def _nearly_sealed(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
 ) -> Iterator[Finding]:
-    leaky = [load for load in loads if not _is_sealed(load, sealing)]
+    leaky = [load for load in loads if not _is_sealed(load, surface, sealing)]
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.peak_pressure)
     if problem.flow is not None and problem.flow.direct is not None:
-        yield from _direct_cautions(problem.flow.direct.table(surface), load, loads)
+        yield from _direct_cautions(problem.flow.direct.table(surface), load, loads, surface)
         return
     yield from _few_channels(load, loads, surface)
-    if surface.most_contact_area(load.peak_pressure) <= DIRECT_END:
+    peak = load.tightest.at_rest(surface).peak_pressure
+    if surface.most_contact_area(peak) <= DIRECT_END:
         return
-    area = float(surface.contact_area(load.peak_pressure))
+    area = float(surface.contact_area(peak))
     if area <= DIRECT_END:
         return
     leak, share_closed = load.leak, (area - DIRECT_END) / (_CLOSED_AREA - DIRECT_END)
@@ -726,7 +759,8 @@ def _nearly_sealed(
         proven=False,
         area=area,
         threshold=surface.percolation_threshold,
-        above=load.peak_pressure >= sealing,
+        flows=peak > AGREE * load.peak_pressure,
+        above=peak >= sealing,
         direct_end=DIRECT_END,
         times=few * high if finite else None,
         with_lay=few > 1.0 and surface.peklenik != 1.0,
@@ -736,10 +770,10 @@ def _nearly_sealed(
 def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughContact) -> Iterator[Finding]:
     """How far the conductivity is from direct simulation where few channels are left or the roughness has a lay."""
     # the deviation from direct simulation includes that of few channels
-    known_all = surface.knows_deviation
-    if surface.peklenik == 1.0 and (known_all or surface.most_contact_area(load.peak_pressure) <= _NOT_FEW):
+    known_all, peak = surface.knows_deviation, load.tightest.at_rest(surface).peak_pressure
+    if surface.peklenik == 1.0 and (known_all or surface.most_contact_area(peak) <= _NOT_FEW):
         return
-    area = float(surface.contact_area(load.peak_pressure))
+    area = float(surface.contact_area(peak))
     weight = min(max((area - _NOT_FEW) / (_FEW_CHANNELS - _NOT_FEW), 0.0), 1.0)
     if known_all:
         weight *= min(abs(math.log2(surface.peklenik)), 1.0)
@@ -757,6 +791,7 @@ def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughC
             proven=largest_area is None and longest is None,
             lay=factor,
             area=area,
+            flows=peak > AGREE * load.peak_pressure,
             peklenik=surface.peklenik,
             largest_area=largest_area,
             longest=longest,
@@ -774,20 +809,24 @@ def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughC
         )
 
 
-def _direct_cautions(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _direct_cautions(
+    table: DirectTable, load: LoadResult, loads: Sequence[LoadResult], surface: FaceContact
+) -> Iterator[Finding]:
     """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
-    peak, (low, high), crests = load.peak_pressure, table.range, table.simulation.has_crests
+    peak = load.tightest.at_rest(surface).peak_pressure
+    flows = peak > AGREE * load.peak_pressure
+    (low, high), crests = table.range, table.simulation.has_crests
     at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
     # of crests that are tight `turned_cautions` speak
     if not low <= peak <= (math.inf if crests else high):
         side = "above" if peak > high else "below"
-        yield caution("direct_range", load, loads, side=side, low=low, high=high, at=at)
+        yield caution("direct_range", load, loads, side=side, low=low, high=high, at=at, flows=flows)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
     tight = [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]
     if tight and not crests:
         n, of, pressure = tight[-1].blocked, tight[-1].samples, Quantity(tight[-1].pressure, ".4g MPa")
-        yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressure, at=at)
+        yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressure, at=at, flows=flows)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     below, above = (math.exp(error) for error in table.log_error(row))
     if max(below, above) > _UNSURE:

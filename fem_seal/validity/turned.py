@@ -50,7 +50,7 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
             feed=surface.feed,
         )
     tight = max(loads, key=lambda load: acting_pressure(surface, load))
-    acts = acting_pressure(surface, tight)
+    acts, at_rest = acting_pressure(surface, tight), tight.tightest.at_rest(surface).peak_pressure
     limit = surface.nearly_sealed_pressure if tight.rough is None else tight.rough.crests_open_up_to
     if acts <= limit:
         return
@@ -75,6 +75,8 @@ def turned_cautions(surface: TurnedContact, loads: Sequence[LoadResult]) -> Iter
         simulated=tight.rough is not None and tight.rough.is_direct,
         sealed=acts >= surface.sealing_pressure,
         acts=acts if acts > AGREE * tight.peak_pressure else None,
+        flows=at_rest > AGREE * tight.peak_pressure,
+        remembers=acts > AGREE * at_rest,
         times=high if high < ORDERS_OF_MAGNITUDE and tight.circumference is None else None,
     )
 

@@ -107,10 +107,34 @@ def _why(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[str
         yield say(display, "leak", "elastic")
         return
     if isinstance(surface, TurnedContact):
+        yield from _flows(result, display, load, None)
         return
+    surface = load.tightest.surface_at_peak(surface)
     area, (factor, effect) = float(surface.contact_area(peak)), yielding_factor(load)
+    yield from _flows(result, display, load, area)
     share = float(surface.plastic_area(peak)) / area
     yield say(display, "leak", "yielded", area=area, share=share, effect=effect, factor=factor)
+
+
+def _flows(result: SealSolution, display: Display, load: CaseLoad, area: float | None) -> Iterator[str]:
+    """What metal that flows lets through less than the same face over unstrained metal, where that is much."""
+    profile = load.whole_profile
+    if load.rough is None or profile.strain is None:
+        return
+    flows, rests = (load.rough.leak(each, load.fluid_pressure) for each in (profile, profile.without_strain))
+    if flows is None or rests is None or not rests.leak_rate > _MUCH_LESS * flows.leak_rate:
+        return
+    digits, sealed = min(load.leak_digits, 2), flows.leak_rate == 0.0
+    body = getattr(load.contact, "flowing_body", "")
+    yield say(
+        display,
+        "leak",
+        "flows",
+        body=result.case.label_of(body) if body else "",
+        area=area,
+        factor="" if sealed else format_digits(rests.leak_rate / flows.leak_rate, digits),
+        rate=display.leak_range(rests.leak_rate, digits, volume=volume_of(result.case)) if sealed else "",
+    )
 
 
 def _throttle(display: Display, load: CaseLoad) -> str:
@@ -131,6 +155,8 @@ def _throttle(display: Display, load: CaseLoad) -> str:
     return say(display, "leak", "throttle", share=middle, width=width, effect=effect, ratio=ratio)
 
 
+# By what the strain of the metal lowers the leak rate before it is told.
+_MUCH_LESS = 1.5
 # Ratio of leak rates that differs from one in two digits.
 _NOTICED = 1.05
 

@@ -18,6 +18,7 @@ from fem_seal.output.pictures.style import (
     panels,
     positive,
 )
+from fem_seal.seal.findings import AGREE
 from fem_seal.seal.load_result import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact
@@ -25,6 +26,8 @@ from fem_seal.units import number, percent
 from leak import RoughContact, TurnedContact
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
 
     from fem_seal.answers.case_load import CaseLoad
@@ -69,20 +72,25 @@ def separation_picture(result: SealSolution) -> Picture | None:
     axes.set_ylim(0.0)
     over = f"contact pressure  [{pressure.name}]"
     label(axes, "Critical separation", over, f"u_c  [{unit.name}]", log="x", legend="best")
-    _total_areas(shares, surface, p, peaks, pressure.size)
+    _total_areas(shares, surface, p, pressure.size, result.loads)
     label(shares, "Area of real contact", over, "share of the nominal area", log="xy", legend="best")
     return captioned(
         result.display,
         figure,
         "separation",
         "all",
-        "memory" if any(load.remembers for load in result.loads) else "",
+        "beside" if any(_beside_curve(load, surface) for load in result.loads) else "",
         threshold=percent(surface.percolation_threshold) if isinstance(surface, RoughContact) else "",
     )
 
 
+def _beside_curve(load: CaseLoad, surface: RoughContact | TurnedContact) -> bool:
+    """Whether u_c of a load is not that of first loading over unstrained metal."""
+    return load.remembers or load.tightest.at_rest(surface).peak_pressure > AGREE * load.peak_pressure
+
+
 def _total_areas(
-    axes: Axes, surface: RoughContact | TurnedContact, p: FloatArray, peaks: FloatArray, unit: float
+    axes: Axes, surface: RoughContact | TurnedContact, p: FloatArray, unit: float, loads: Sequence[CaseLoad]
 ) -> None:
     axes.plot(
         p / unit,
@@ -90,7 +98,9 @@ def _total_areas(
         color=BLUE,
         label="with yielding" if surface.hardness else None,
     )
-    axes.plot(peaks / unit, np.asarray(surface.contact_area(peaks)), "o", color=BLUE, ms=3.8)
+    for load in loads:
+        face = load.tightest.surface_at_peak(surface) if isinstance(surface, RoughContact) else surface
+        axes.plot(load.peak_pressure / unit, face.contact_area(load.peak_pressure), "o", color=BLUE, ms=3.8)
     if surface.hardness is not None:
         axes.plot(p / unit, np.asarray(surface.elastic.contact_area(p)), color=ORANGE, label="elastic")
     if isinstance(surface, RoughContact):
@@ -110,7 +120,7 @@ def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
     surface = result.surface
     if not isinstance(surface, RoughContact):
         return None
-    peak = load.peak_pressure
+    peak, surface = load.peak_pressure, load.tightest.surface_at_peak(surface)
     figure, (areas, spectrum) = panels(2, height=4.1, head=0.85)
     _area_curves(areas, surface, peak)
     draw_spectrum(spectrum, surface, peak)

@@ -244,7 +244,8 @@ def _pictures_of_simulation(result: SealSolution) -> tuple[Picture, ...]:
         return ()
     from fem_seal.output.pictures.direct import simulation_pictures
 
-    return simulation_pictures(result.display, flow.direct.table(surface), result.highest.peak_pressure)
+    acting = result.highest.tightest.at_rest(surface).peak_pressure
+    return simulation_pictures(result.display, flow.direct.table(surface), acting)
 
 
 def _texts_of_case(result: SealSolution) -> dict[str, Any]:
