@@ -155,10 +155,8 @@ def _throttle(display: Display, load: CaseLoad) -> str:
     return say(display, "leak", "throttle", share=middle, width=width, effect=effect, ratio=ratio)
 
 
-# By what the strain of the metal lowers the leak rate before it is told.
-_MUCH_LESS = 1.5
-# Ratio of leak rates that differs from one in two digits.
-_NOTICED = 1.05
+# Ratio of leak rates that differs from one in two digits, and from which on the strain of the metal is told.
+_NOTICED, _MUCH_LESS = 1.05, 1.5
 
 
 def narrowest_point(display: Display, load: CaseLoad) -> tuple[str, str]:
