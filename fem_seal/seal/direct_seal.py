@@ -312,8 +312,13 @@ def _place(
     on_grid = replace(surface, spectrum=strip.grid_spectrum)
     peaks = log_peaks([contact], surface)
     table = flow.table_around(surface, peaks)
-    tables = (flow.in_contact(flow.table_around(s, peaks), s, profile) for s in (surface, on_grid))
-    through, through_held = (_conductance(flow, table, profile, load.fluid_pressure) for table in tables)
+    faces = [(face, profile.at_rest(face)) for face in (surface, on_grid)]
+    through, through_held = (
+        _conductance(
+            flow, flow.in_contact(flow.table_around(face, peaks), face, rest), rest, load.fluid_pressure
+        )
+        for face, rest in faces
+    )
     leak = flow.leak_of(table, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
     gas = flow.gas
