@@ -491,16 +491,30 @@ def direct(
     >>> low.effective_gap > high.effective_gap > 0.0
     True
     """
-    from fem_seal.seal.problem import direct_settings, rough_contact
+    from fem_seal.seal.direct import BulkPath
+    from fem_seal.seal.evaluate import evaluate
+    from fem_seal.seal.problem import SealProblem, direct_settings, rough_contact
 
-    case = case_of(case)
+    case, tell = case_of(case), progress or (lambda text: None)
     surface = rough_contact(case)
     if surface is None:
         raise InputError.at("roughness", "there is no surface to simulate; add the table", file=case.file)
     settings = direct_settings(case)
     if folder is not None:
         settings = replace(settings, folder=Path(folder))
-    return settings.table(surface, jobs=jobs, progress=progress or (lambda text: None))
+    strained = None
+    if settings.asperities == "von-mises":
+        problem = SealProblem.of(case)
+        if any(material.hardening is not None for material in problem.materials.values()):
+            tell("solving the contact, for the strain of its metal")
+            profiles = [load.tightest for load in evaluate(problem).loads]
+            bulk = BulkPath.of(max(profiles, key=lambda profile: profile.highest))
+            strained = replace(settings, bulk=bulk)
+    table = settings.table(surface, jobs=jobs, progress=tell)
+    if strained is None:
+        return table
+    tell("direct simulation over metal that is strained as in the contact")
+    return replace(table, strained=strained.table(surface, jobs=jobs, progress=tell))
 
 
 def direct_seal(

@@ -69,6 +69,24 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
             else theory.cutoff_factor(name)
             for name in gaps
         },
+        **_strained(table, row),
+    }
+
+
+def _strained(table: DirectTable, row: DirectRow) -> dict[str, float]:
+    """The same state over metal that is strained as in the contact; nan where that is not simulated."""
+    strain, area, gap, expected = (math.nan, math.nan), math.nan, math.nan, math.nan
+    if table.strained is not None:
+        bulk, strained = table.strained.simulation.settings.bulk, table.strained.rows[table.rows.index(row)]
+        area, gap = strained.contact_area, strained.effective_gap
+        if bulk is not None and strained.theory is not None:
+            strain, expected = bulk.counted(row.pressure), strained.theory.gap[Reading.CAPPED]
+    return {
+        "bulk_strain_meridional": strain[0],
+        "bulk_strain_hoop": strain[1],
+        "strained_contact_area": area,
+        "strained_effective_gap_m": gap,
+        "theory_strained_effective_gap_m": expected,
     }
 
 
@@ -141,7 +159,8 @@ def direct_lines(display: Display, table: DirectTable) -> list[str]:
     ratios["half"] = [row.cutoff_ratio for row in table.loading]
     known_ratios = {name: [*filter(math.isfinite, some)] for name, some in ratios.items()}
     costs = {name: (min(some), max(some)) for name, some in known_ratios.items() if some}
-    return say_all(display, "direct", "simulated", simulation=simulation, costs=costs)
+    strained = None if table.strained is None else table.strained.simulation.settings.bulk
+    return say_all(display, "direct", "simulated", simulation=simulation, costs=costs, strained=strained)
 
 
 def write_direct(display: Display, table: DirectTable, folder: Path, viscosity: float | None) -> None:

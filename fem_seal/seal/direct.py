@@ -21,6 +21,7 @@ from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError
 from fem_seal.files import problem
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
+from fem_seal.profile import PressureProfile
 from fem_seal.seal.pieces import work
 from leak import DirectError, GasConductivityTable, LoadMemory, RoughContact, TurnedContact
 from leak.direct import (
@@ -59,9 +60,59 @@ _UNKNOWN = 10.0
 # Metal that flows asks for small steps of the load: the longest over the hardness, and by what share the conductivity
 # of rough surfaces is then too low at most, see leak.direct.press_elastoplastic.
 LOAD_STEP, LOAD_STEP_ERROR = 0.025, 0.09
+# The longest of the strain over the rms slope, that of benchmarks/bulk_flow.py.
+_STRAIN_STEP = 0.025
 
 # Pressures of a table: the factor between simulation and theory bends where the theory is smooth.
 _TABLE_PRESSURES = 64
+
+
+class BulkPath(NamedTuple):
+    """Strain of the metal under a face in its plane, which grows with the pressure up to that of a contact.
+
+    Parameters
+    ----------
+    meridional, hoop : float
+        At the pressure, as it counts there, see `ContactSolution.strain` [-].
+    pressure : float
+        [Pa]
+    """
+
+    meridional: float
+    hoop: float
+    pressure: float
+
+    @classmethod
+    def of(cls, profile: PressureProfile) -> BulkPath:
+        """Of the place of a contact that is pressed hardest.
+
+        Parameters
+        ----------
+        profile : PressureProfile
+        """
+        return cls(*profile.peak_strain, profile.highest)
+
+    def total(self, largest: float) -> tuple[float, float]:
+        """Strain under the largest pressure so far: of one that grows with it half counts [-].
+
+        Parameters
+        ----------
+        largest : float
+            [Pa]
+        """
+        share = 2.0 * min(largest / self.pressure, 1.0)
+        return share * self.meridional, share * self.hoop
+
+    def counted(self, pressure: float) -> tuple[float, float]:
+        """What of it counts on first loading, int p d(strain)/p [-].
+
+        Parameters
+        ----------
+        pressure : float
+            [Pa]
+        """
+        share = min(pressure / self.pressure, self.pressure / pressure)
+        return share * self.meridional, share * self.hoop
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +139,8 @@ class DirectSettings:
         Of "von-mises" [Pa]; of the surface's hardness unless given.
     poissons_ratio : float
         Of the metal that flows [-].
+    bulk : BulkPath or None
+        How metal that flows is strained in its plane, along the flow and across it; None where it is not.
     """
 
     points: int = 256
@@ -105,6 +158,7 @@ class DirectSettings:
     asperities: Asperities = "capped"
     yield_stress: float | None = None
     poissons_ratio: float = 0.3
+    bulk: BulkPath | None = None
 
     @cached_property
     def elastic(self) -> DirectSettings:
@@ -308,8 +362,16 @@ class DirectSimulation:
     @property
     def load_step(self) -> float | None:
         """Longest of metal that flows [Pa]; None where every pressure is pressed by itself."""
-        stress = self.settings.yield_stress
-        return None if stress is None else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * stress
+        stress, bulk = self.settings.yield_stress, self.settings.bulk
+        if stress is None:
+            return None
+        longest = LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * stress
+        if bulk is None:
+            return longest
+        most = max(map(abs, bulk.total(bulk.pressure)))
+        return longest / max(
+            1.0, most * longest / bulk.pressure / (_STRAIN_STEP * self.patch.grid_spectrum.rms_slope)
+        )
 
     @cached_property
     def patch_surface(self) -> FaceContact:
@@ -370,7 +432,10 @@ class DirectSimulation:
         """Hash of everything that a piece depends on."""
         surface, patch, spectrum = self.surface, self.patch, self.patch.grid_spectrum
         shape = surface.texture.cusp_parameters if isinstance(surface, TurnedContact) else surface.peklenik
-        flow = self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP, piece.unload
+        settings = self.settings
+        flow: tuple[object, ...] = settings.yield_stress, settings.poissons_ratio, LOAD_STEP, piece.unload
+        if settings.bulk is not None:
+            flow = *flow, *settings.bulk, settings.direction == "y", self.load_step
         yields = surface.hardness if self.settings.yield_stress is None else flow
         about = [
             _VERSION, surface.effective_modulus, yields, patch.points, patch.size,
@@ -593,7 +658,8 @@ class TheoryRow:
     Parameters
     ----------
     contact_area, mean_gap
-        Of the waves that the patch holds, asperities that yield in the reading "capped" [-], [m].
+        Of the waves that the patch holds, asperities that yield in the reading "capped", without strain of the metal
+        below; nan with it [-], [m].
     gap, whole : mapping
         u_eff of the waves that the patch holds, and of the whole spectrum, in each reading of asperities that yield
         [m].
@@ -623,12 +689,15 @@ class DirectTable:
         Share of the area per gap, samples together, contact left out [1/m].
     maps : mapping
         `PressedMap.text` of the first sample over the pressure of loading [Pa], where they are kept.
+    strained : DirectTable or None
+        The same over metal that is strained as in the contact of the case; None where it was not simulated.
     """
 
     simulation: DirectSimulation
     rows: tuple[DirectRow, ...]
     gap_density: FloatArray
     maps: Mapping[float, str] = field(default_factory=dict)
+    strained: DirectTable | None = None
 
     def press_sample(self, pressure: float) -> PressedMap:
         """The first sample at a pressure of first loading.
@@ -848,6 +917,13 @@ def simulate_surface(
 def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
     assert simulation.settings.yield_stress is not None and simulation.load_step is not None
+    bulk, turned = simulation.settings.bulk, simulation.settings.direction == "y"
+
+    def strain(largest: float) -> tuple[float, float]:
+        assert bulk is not None  # of those who ask
+        along, across = bulk.total(largest)
+        return (across, along) if turned else (along, across)
+
     states = elastoplastic_path(
         simulation.body,
         heights,
@@ -855,6 +931,7 @@ def _press_path(simulation: DirectSimulation, piece: Piece, heights: FloatArray)
         yield_stress=simulation.settings.yield_stress,
         longest_step=simulation.load_step,
         poissons_ratio=simulation.settings.poissons_ratio,
+        strain=None if bulk is None else strain,
     )
     for number, state in enumerate(states):
         is_drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
@@ -939,12 +1016,21 @@ def _log_ratio(first: float, second: float) -> float:
 
 def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:
     patch, surface, readings = simulation.patch_surface, simulation.surface, simulation.readings
-    capped = patch.reading(Reading.CAPPED)
+    capped, bulk = patch.reading(Reading.CAPPED), simulation.settings.bulk
+
+    def gap(face: FaceContact) -> float:
+        if bulk is None:
+            return float(face.effective_separation(pressure))
+        along, across = bulk.counted(pressure)
+        ways = [(along, across), (across, along)][: 2 if simulation.settings.direction == "both" else 1]
+        rest = [face.pressure_at_rest(pressure, *way) for way in ways]
+        return float(np.cbrt((np.asarray(face.effective_separation(np.array(rest))) ** 3).mean()))
+
     return TheoryRow(
-        contact_area=float(capped.contact_area(pressure)),
-        mean_gap=float(capped.mean_separation(pressure)),
-        gap={x: float(patch.reading(x).effective_separation(pressure)) for x in readings},
-        whole={x: float(surface.reading(x).effective_separation(pressure)) for x in readings},
+        contact_area=float(capped.contact_area(pressure)) if bulk is None else math.nan,
+        mean_gap=float(capped.mean_separation(pressure)) if bulk is None else math.nan,
+        gap={x: gap(patch.reading(x)) for x in readings},
+        whole={x: gap(surface.reading(x)) for x in readings},
     )
 
 

@@ -10,7 +10,7 @@ radial return from that stress is a proximal step of length 1/(2 G); Nesterov's 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -255,6 +255,7 @@ def elastoplastic_path(
     yield_stress: float,
     longest_step: float,
     poissons_ratio: float = 0.3,
+    strain: Callable[[float], tuple[float, float]] | None = None,
 ) -> Iterator[ElastoplasticState]:
     """The state at each pressure of a path, in load steps of equal length from one pressure to the next.
 
@@ -266,14 +267,23 @@ def elastoplastic_path(
         Mean pressures in the order of the path [Pa].
     longest_step : float
         Of the load [Pa].
+    strain : callable, optional
+        Of the body in its plane, see `press_elastoplastic`, over the largest pressure so far [Pa]; none unless given.
     """
     state: ElastoplasticState | None = None
-    last = 0.0
+    last = largest = 0.0
     for pressure in pressures:
         # step by step: states are large, and only the last one is needed
         for step in np.linspace(last, pressure, math.ceil(abs(pressure - last) / longest_step) + 1)[1:]:
+            largest = max(largest, float(step))
             (state,) = press_elastoplastic(
-                body, heights, [step], yield_stress=yield_stress, poissons_ratio=poissons_ratio, start=state
+                body,
+                heights,
+                [step],
+                yield_stress=yield_stress,
+                poissons_ratio=poissons_ratio,
+                start=state,
+                strain=None if strain is None else [strain(largest)],
             )
         last = pressure
         assert state is not None  # pressures are above zero

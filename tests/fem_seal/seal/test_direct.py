@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import signal
@@ -11,6 +12,7 @@ import sys
 from dataclasses import replace
 from functools import cache
 from multiprocessing import active_children
+from pathlib import Path
 from time import perf_counter, sleep
 
 import numpy as np
@@ -19,10 +21,12 @@ import pytest
 from sample_results import case
 
 import fem_seal
+from fem_seal.case.case import case_of
 from fem_seal.cli import app as cli
 from fem_seal.errors import InputError
+from fem_seal.files import read_toml
 from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
-from fem_seal.seal.direct import DirectSettings, DirectTable, simulate_surface
+from fem_seal.seal.direct import BulkPath, DirectSettings, DirectTable, simulate_surface
 from fem_seal.seal.problem import direct_settings, rough_contact
 from fem_seal.units import Display
 from fem_seal.validity.checks import _direct_cautions
@@ -313,6 +317,73 @@ def test_metal_that_flows_is_loaded_step_by_step():
     assert np.mean(drawn.yielded) == pytest.approx(states[0][3].yielded_area, abs=4e-3)
     assert "flows at a von Mises stress of 1.21 GPa" in " ".join(direct_lines(Display(), found))
     assert direct_numbers(found)["load_step_Pa"] == pytest.approx(0.025 * 3.5e9)
+
+
+def test_a_strain_that_grows_with_the_pressure_counts_by_half():
+    """int p d(strain)/p along the path itself; beyond the contact's pressure nothing is added."""
+    bulk = BulkPath(0.01, -0.004, 2e8)
+    for end in (5e7, 2e8, 5e8):
+        p = np.linspace(0.0, end, 10_001)
+        steps = np.diff([bulk.total(one) for one in p], axis=0)
+        assert bulk.counted(end) == pytest.approx((p[1:] + p[:-1]) / 2 @ steps / end, rel=1e-4)
+    assert bulk.counted(2e8) == (0.01, -0.004)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("direction", ["x", "y"])
+def test_metal_strained_in_bulk_is_loaded_along_the_flow(direction):
+    """The library itself with both strains at each step; what is unloaded stays strained."""
+    from leak.direct import PeriodicHalfSpace, patch_flow, press_elastoplastic
+
+    given = case(direct={**METAL, "samples": 1, "direction": direction}, leak={"theory": "corrected"})
+    settings, surface = direct_settings(given), rough_contact(given)
+    bulk = BulkPath(0.006, -0.001, 3e8)
+    found = replace(settings, bulk=bulk).table(surface)
+    patch, step = found.simulation.patch, found.simulation.load_step
+    # the strain asks for shorter steps than the load
+    assert step < 0.025 * 3.5e9
+    assert 0.012 * step / 3e8 == pytest.approx(0.025 * patch.grid_spectrum.rms_slope)
+    path, last = [], 0.0
+    for p in (4e7, 3e8, 4e7):
+        path += np.linspace(last, p, int(np.ceil(abs(p - last) / step)) + 1)[1:].tolist()
+        last = p
+    strain = np.outer(np.maximum.accumulate(path) / 3e8, [0.012, -0.002])
+    states = press_elastoplastic(
+        PeriodicHalfSpace(32, patch.size, 210e9 / (1.0 - 0.3**2) / 2.0),
+        patch.heights(1, "exact"),
+        path,
+        yield_stress=3.5e9 / 2.9,
+        strain=strain if direction == "x" else strain[:, ::-1],
+    )
+    for row, at in zip(found.rows, (path.index(4e7), path.index(3e8), -1), strict=True):
+        gap = states[at].gap if direction == "x" else states[at].gap.T.copy()
+        assert row.contact_area == pytest.approx(states[at].contact_area, abs=2e-3)
+        assert row.effective_gap == pytest.approx(np.cbrt(patch_flow(gap).gap_cubed), rel=5e-3)
+    for strained, row in zip(found.rows[:2], settings.table(surface).rows[:2], strict=True):
+        assert strained.effective_gap < row.effective_gap
+        rest = surface.pressure_at_rest(row.pressure, *bulk.counted(row.pressure))
+        whole = surface.effective_separation(rest)
+        assert strained.theory.whole[Reading.CAPPED] == pytest.approx(float(whole), rel=1e-9)
+    assert found.rows[1].contact_area > 1.1 * settings.table(surface).rows[1].contact_area
+
+
+@pytest.mark.slow
+def test_yielding_bodies_strain_the_patch(tmp_path):
+    tables = read_toml(Path(__file__).parents[3] / "examples" / "copper_ring.toml", "case")
+    tables["load"]["applied_force"] = "2 kN"
+    tables["direct"] = {"points": 32, "samples": 1, "asperities": "von-mises", "pressure": ["50 MPa"]}
+    ring = case_of(tables)
+    found = fem_seal.direct(ring, folder=tmp_path)
+    (load,) = fem_seal.run(ring).loads
+    assert found.strained.simulation.settings.bulk == BulkPath.of(load.tightest)
+    (row,) = direct_rows(found)
+    share = 5e7 / load.tightest.highest
+    assert row["bulk_strain_meridional"] == pytest.approx(share * load.tightest.peak_strain[0], rel=1e-9)
+    assert row["strained_effective_gap_m"] == found.strained.rows[0].effective_gap != row["effective_gap_m"]
+    assert "Patches over such metal stand beside the others" in " ".join(direct_lines(Display(), found))
+    # bodies that do not yield are not solved, and nothing is strained
+    assert metal().strained is None
+    assert math.isnan(direct_rows(metal())[0]["strained_effective_gap_m"])
 
 
 @pytest.mark.slow
