@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -149,8 +150,14 @@ def number_of(tile):
 def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
     session = Session(example_of(example))
     live = screen_of_page(session)
-    rests = complete_screen(session.design({}), fem_seal.run(session.case({}), sensitivities=False))
-    loads = {(one.applied_force, one.values["fluid_pressure_Pa"]): one for one in rests.loads}
+    run = fem_seal.run(session.case({}), sensitivities=False)
+    rests = complete_screen(session.design({}), run)
+    # the page has no second mesh, by which the interval of a run is wider
+    alike = replace(run, loads=tuple(replace(load, mesh_error=None) for load in run.loads))
+    loads = {
+        (one.applied_force, one.values["fluid_pressure_Pa"]): one
+        for one in complete_screen(session.design({}), alike).loads
+    }
     # what its inputs leave open widens the interval later, and no verdict comes before
     names = [name for name in FIELDS if not (live.widens and name in LEAK[1:])]
     for one in live.loads:
