@@ -26,8 +26,8 @@ from scipy.optimize import least_squares
 
 import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press_elastoplastic
-from leak.flow import turned_contact
 from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
+from leak.theory.crest_flow import CrestFlow
 
 TABLE = Path(__file__).with_name("turned_bulk.csv")
 MODES = {
@@ -111,19 +111,20 @@ def states() -> list[State]:
     return found
 
 
-def theory(state: State, numbers: tuple[float, ...] | None = None) -> tuple[float, float]:
-    """Area touched and pressure at rest over the hardness, by a rate, flow across, closing and direction or its own."""
+def theory(state: State, law: CrestFlow = CrestFlow()) -> tuple[float, float]:  # noqa: B008
+    """Area touched, and pressure at rest over the hardness."""
     _, hardness, fine, _, share, _ = state.path
-    of = face(float(hardness), float(fine))
-    p = np.asarray(float(share) * of.hardness)
-    law = {}
-    if numbers is not None:
-        rate, across, closing, direction = numbers
-        constants = turned_contact._CRESTS_FLOW._replace(rate=rate, closing=closing, direction=direction)
-        law = {"constants": constants, "flows_across": across}
-    flow = of._bulk_flow(*(np.asarray(e * slope(of)) for e in state.strains), **law)
-    area = float(flow.area(np.asarray(state.first), p))
-    return area, float(flow.pressure(np.asarray(of.contact_area(p)), p)) / of.hardness
+    of, x = face(float(hardness), float(fine)), float(share)
+    rest = float(of.contact_area(x * of.hardness))
+    (wider, by_theory), (along, _) = law.widened(
+        np.array([state.first, rest]),
+        np.full(2, x),
+        tuple(np.full(2, e) for e in state.strains),
+        slope=1.0,
+        hardness=float(hardness),
+    )
+    closer = law.closing * (1.0 - law.direction * along) * (by_theory - 1.0)
+    return state.first * float(wider), x * float(1.0 + closer)
 
 
 def along(state: State) -> float:
@@ -135,29 +136,28 @@ def along(state: State) -> float:
     return float(conductivities[1] / conductivities[0])
 
 
-def misses(of: list[State], numbers: tuple[float, ...] | None = None) -> tuple[np.ndarray, np.ndarray]:
+def misses(of: list[State], law: CrestFlow = CrestFlow()) -> tuple[np.ndarray, np.ndarray]:  # noqa: B008
     """ln(theory/simulated) of areas, and of pressures at rest."""
-    both = [(theory(state, numbers), state) for state in of]
+    both = [(theory(state, law), state) for state in of]
     areas = np.array([math.log(found[0] / state.area) for found, state in both])
     return areas, np.array([math.log(found[1] / state.at_rest) for found, state in both if state.at_rest])
 
 
-def fit(of: list[State]) -> np.ndarray:
-    """The four numbers."""
-    start = turned_contact._CRESTS_FLOW
-    known = (start.rate, turned_contact._FLOWS_ACROSS, start.closing, start.direction)
-    return least_squares(lambda numbers: np.concatenate(misses(of, tuple(numbers))), known).x
+def fit(of: list[State]) -> CrestFlow:
+    """Rate, power, flow across, closing and direction; the delay is half a yield strain."""
+    names = ("rate", "line", "across", "closing", "direction")
+
+    def law(numbers: np.ndarray) -> CrestFlow:
+        return CrestFlow()._replace(**dict(zip(names, numbers, strict=True)))
+
+    start = [getattr(CrestFlow(), name) for name in names]
+    return law(least_squares(lambda numbers: np.concatenate(misses(of, law(numbers))), start).x)
 
 
 def is_fitted(state: State) -> bool:
     """Whether the numbers are found from it."""
     hardness, fine, share = float(state.path[1]), float(state.path[2]), float(state.path[4])
-    return (
-        state.path[3] == "64"
-        and hardness in FITTED_HARDNESS
-        and share in FITTED_PRESSURES
-        and fine == FITTED_FINE
-    )
+    return hardness in FITTED_HARDNESS and share in FITTED_PRESSURES and fine == FITTED_FINE
 
 
 def wilson_sheu(state: State) -> float:

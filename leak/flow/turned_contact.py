@@ -19,7 +19,7 @@ from leak.numerics.roots import bisect_roots
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import Crest, Cusps, TurnedTexture
-from leak.theory.bulk_flow import BulkFlow, BulkFlowConstants, BulkStrain
+from leak.theory.crest_flow import CrestFlow
 from leak.theory.crest_line import CrestLines, PressedCrests, of_each
 from leak.theory.interface_law import TabulatedLaw
 from leak.theory.own_error import FlowError
@@ -66,26 +66,8 @@ _BEARS, _NEARLY = 5e-3, 3e-3
 # Factor on the strain of the bulk by which what it does is not known.
 _FALLEN, _SPREAD = (0.0, 1.5, 2.25, 3.75, 4.75), (0.2, 0.2, 0.42, 0.42, 2.0)
 _OPEN_PLACES, _FEWER_PLACES, _MEAN, _HALF_LOST, _STRAIN_FACTOR = 0.61, 0.24, -0.1, 0.69, 1.45
-# Of crests over a bulk that flows, by `benchmarks/turned_bulk.py`: they sink faster by so much times the square of the
-# share of its flow that widens the metal across them. Valleys have their own `closing`, and a table so many points.
-_CRESTS_FLOW, _FLOWS_ACROSS, _VALLEYS_CLOSE, _FINE = (
-    BulkFlowConstants(
-        rate=4.0,
-        load=0.0,
-        softness=0.0,
-        delay=0.5,
-        early=0.0,
-        wider=0.0,
-        rising=0.0,
-        closing=1.35,
-        crowded=0.0,
-        least=0.0,
-        direction=0.35,
-    ),
-    3.7,
-    2.4,
-    2000,
-)
+# Points of a table of crests and thread together.
+_FINE = 2000
 # Inverse Knudsen numbers of u_eff in the table of a gas, and of the gaps of throats.
 _LOG_D = -2.6 + 4.5 * np.sinh(np.linspace(-1.436, 1.693, 44))
 _LOG_THROAT = np.linspace(math.log(1e-9), math.log(1e8), 1600)
@@ -557,17 +539,24 @@ class TurnedContact:
             return np.array(p)
         share = self._lost_share
         rough = self._rough.pressure_at_rest(p, m, h) if share > 0.0 else p
-        flow, area, flat = self._bulk_flow(m, h), np.asarray(self.contact_area(p)), self.contact_pressure
+        law, flat = CrestFlow(), _NEARLY_FLAT * self.contact_pressure
+        wider, direction = law.widened(
+            np.asarray(self.contact_area(p)),
+            p / self.hardness,
+            (m, h),
+            slope=self._slope_across,
+            hardness=self.hardness / self.effective_modulus,
+        )
 
-        def acts(of: BulkFlow) -> FloatArray:
-            return np.maximum(np.minimum(of.pressure(area, p), _NEARLY_FLAT * flat), p)
+        def acts(closing: FloatArray | float) -> FloatArray:
+            return np.maximum(np.minimum(p * (1.0 + closing * (wider - 1.0)), flat), p)
 
-        across = np.asarray(acts(flow) ** (1.0 - share) * rough**share)
+        across = np.asarray(
+            acts(law.closing * (1.0 - law.direction * direction)) ** (1.0 - share) * rough**share
+        )
         if not self._has_thread:
             return across
-        valleys = acts(
-            flow._replace(constants=flow.constants._replace(closing=_VALLEYS_CLOSE, direction=0.0))
-        )
+        valleys = acts(law.valleys)
         log_p, falling = self._falling
         both = np.exp(np.interp(-np.log(self._both_cubed(across, valleys)), falling, log_p))
         return np.where(valleys > across, np.maximum(both, across), across)
@@ -582,27 +571,6 @@ class TurnedContact:
         """ln p, and what falls by that of `_both_cubed` there."""
         p = np.geomspace(self._table.pressure[0], _NEARLY_FLAT * self.contact_pressure, _FINE)
         return np.log(p), -np.log(self._both_cubed(p, p))
-
-    def _bulk_flow(
-        self,
-        meridional: FloatArray,
-        hoop: FloatArray,
-        constants: BulkFlowConstants = _CRESTS_FLOW,
-        flows_across: float = _FLOWS_ACROSS,
-    ) -> BulkFlow:
-        """Of crests, faster as `flows_across` has it."""
-        assert self.hardness is not None  # of all who ask
-        flow = BulkFlow.of(
-            BulkStrain(meridional, hoop),
-            rms_slope=self._slope_across,
-            hardness=self.hardness,
-            effective_modulus=self.effective_modulus,
-            constants=constants,
-        )
-        square = meridional**2 + hoop**2 + meridional * hoop
-        wider = np.maximum(meridional + 0.5 * hoop, 0.0) ** 2
-        share = np.divide(wider, square, out=np.zeros(square.shape), where=square > 0.0)
-        return flow._replace(strain=flow.strain * (1.0 + flows_across * share))
 
     def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
         """See `leak.flow.conductivity.LoadMemory.first_loading`; of crests that stand out of the fine roughness."""
