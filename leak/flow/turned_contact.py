@@ -66,8 +66,6 @@ _BEARS, _NEARLY = 5e-3, 3e-3
 # Factor on the strain of the bulk by which what it does is not known.
 _FALLEN, _SPREAD = (0.0, 1.5, 2.25, 3.75, 4.75), (0.2, 0.2, 0.42, 0.42, 2.0)
 _OPEN_PLACES, _FEWER_PLACES, _MEAN, _HALF_LOST, _STRAIN_FACTOR = 0.61, 0.24, -0.1, 0.69, 1.45
-# Points of a table of crests and thread together.
-_FINE = 2000
 # Inverse Knudsen numbers of u_eff in the table of a gas, and of the gaps of throats.
 _LOG_D = -2.6 + 4.5 * np.sinh(np.linspace(-1.436, 1.693, 44))
 _LOG_THROAT = np.linspace(math.log(1e-9), math.log(1e8), 1600)
@@ -569,7 +567,7 @@ class TurnedContact:
     @cached_property
     def _falling(self) -> tuple[FloatArray, FloatArray]:
         """ln p, and what falls by that of `_both_cubed` there."""
-        p = np.geomspace(self._table.pressure[0], _NEARLY_FLAT * self.contact_pressure, _FINE)
+        p = np.geomspace(self._table.pressure[0], _NEARLY_FLAT * self.contact_pressure, 10 * _NOMINAL)
         return np.log(p), -np.log(self._both_cubed(p, p))
 
     def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:

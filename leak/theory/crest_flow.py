@@ -16,8 +16,6 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 
-_POISSON = 0.3
-
 
 class CrestFlow(NamedTuple):
     """What direct simulation says of crests over a strained bulk; all without unit, by `benchmarks/turned_bulk.py`.
@@ -69,7 +67,8 @@ class CrestFlow(NamedTuple):
         """
         along, hoop = strain
         square = np.asarray(along**2 + hoop**2 + along * hoop)
-        late = self.delay * 2.0 * hardness / (HARDNESS_OVER_YIELD_STRESS * 3.0 * (1.0 - _POISSON))
+        # of Poisson's ratio 0.3
+        late = self.delay * 2.0 * hardness / (HARDNESS_OVER_YIELD_STRESS * 3.0 * (1.0 - 0.3))
         plastic = np.hypot(2.0 / math.sqrt(3.0) * np.sqrt(square), late) - late
         wide, direction = (
             np.divide(part, square, out=np.zeros(square.shape), where=square > 0.0)
