@@ -353,7 +353,9 @@ def _bend(p: FloatArray, gap: FloatArray) -> float:
         return 0.0
     first, second = np.log(p[1:] / p[0]) / closer[1:]
     curvature = (first - second) / (closer[2] - closer[1])
-    bend = float(curvature / (first + curvature * closer[1]) ** 2)
+    slope = first + curvature * closer[1]
+    # faces that touch all along have no slope
+    bend = float(curvature / slope**2) if slope != 0.0 else 0.0
     return bend if bend > _STRAIGHT else 0.0
 
 

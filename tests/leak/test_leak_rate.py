@@ -12,6 +12,7 @@ from paper_surface import HARDNESS, E, surface
 from scipy.special import beta
 
 import leak
+from leak.flow.contact_profile import law_bends
 
 LENGTH = 2 * np.pi * 0.0141421
 
@@ -333,3 +334,11 @@ def test_ends_that_are_none_are_refused(ends) -> None:
     x, p = gauss(20)
     with pytest.raises(leak.ProfileError, match="ends"):
         leak.leak_flow(x, p, power_law(1e-9, 1.0), 2e6, 0.0141421, ends=ends)
+
+
+def test_equal_pressures_at_an_end_have_no_bend():
+    """Flowing metal has the pressure of the hardness wherever its gap is closed, whatever its gap."""
+    gap = np.array([0.0, -1.0, -2.0, -2.0, -1.0, 0.0]) * 1e-7
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert law_bends(np.full(6, 3e8), gap) == (0.0, 0.0)
