@@ -165,11 +165,15 @@ class CaseLoad(LoadResult):
         return {name: load for name, load in self.scenarios.items() if SCENARIOS[name].condition}
 
     @property
+    def _in_interval(self) -> list[CaseLoad]:
+        """Itself and the scenarios of which the interval is made."""
+        return [self, *(load for name, load in self.scenarios.items() if SCENARIOS[name].in_interval)]
+
+    @property
     def leak_range(self) -> Bounds | None:
         """Ends of the leak rates of the scenarios in the interval and the load's own [m^3/s]; None without others."""
-        others = [load for name, load in self.scenarios.items() if SCENARIOS[name].in_interval]
-        leaks = [load.leak for load in (self, *others)]
-        return Bounds.of(leak.leak_rate for leak in leaks if leak) if others and all(leaks) else None
+        leaks = [load.leak for load in self._in_interval]
+        return Bounds.of(leak.leak_rate for leak in leaks if leak) if len(leaks) > 1 and all(leaks) else None
 
     def load_in_scenario(self, name: str) -> CaseLoad | None:
         """The load in a scenario on its contact, with what is known of the load itself; None where it is that one.
@@ -418,8 +422,14 @@ class CaseLoad(LoadResult):
         ends = self.calculated_ends
         if self.leak is None or ends is None:
             return None
-        sealing, limit = partial(getattr, self, "leak_before_sealing"), partial(getattr, self, "most_leak")
-        return _combine_ends(self.leak.leak_rate, ends, self.leak_validity, self.rougher, sealing, limit)
+        return _combine_ends(
+            self.leak.leak_rate,
+            ends,
+            self.leak_validity,
+            self.rougher,
+            lambda: max(load.leak_before_sealing for load in self._in_interval),
+            lambda: self.most_leak,
+        )
 
     @property
     def most_leak(self) -> float:

@@ -180,7 +180,7 @@ class LoadVerdict:
             if core_verdict is not Verdict.INCONCLUSIVE:
                 passes = core_verdict is Verdict.PASS
                 verdict = Verdict.PASS_UNLESS if passes else Verdict.FAIL_UNLESS
-                factor = limit.leak_rate / core.high if passes else core.low / limit.failing_rate
+                factor = _margin(limit, core.high) if passes else core.low / limit.failing_rate
                 reason = validity.leak_clause(more=passes)
                 return cls(verdict, margin, VerdictReason.ACCURACY, limit, in_test, reason, factor)
         return cls(verdict, margin, why, limit, in_test)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 import leak
+from fem_seal.profile import join_lands
+from fem_seal.sampling import CUT_OFF
 from leak.flow.conductivity import table_abscissa
 from leak.flow.turned_contact import calculated_table
 from leak.numerics.roots import root_between
@@ -34,8 +36,11 @@ if TYPE_CHECKING:
     from leak.flow.turned_contact import FaceContact
 
 
-# A/A0 where direct simulations of the flow end, and up to the percolation threshold how much further it may be open.
+# A/A0 where direct simulations of the flow end.
 DIRECT_END = 0.39
+# Hardness and heights are known to ten per cent at best (one standard deviation of the logarithm), and the sealing
+# pressure, which is proportional to the one, to the other, or to a mean of both, no better.
+INPUTS_KNOWN_TO = 0.1
 # Density of a liquid of which none is known [kg/m^3].
 _DENSITY = 1000.0
 # Decades between the highest pressure and the end of a table.
@@ -490,6 +495,25 @@ def log_peaks(contacts: Sequence[ContactSolution], surface: FaceContact | None) 
     return [math.log10(peak) for peak in dict.fromkeys(peaks)]
 
 
+def share_beyond_sealing(excess: float) -> float:
+    """Share of what leaks before sealing that may still leak beyond it, by what hardness and heights leave open.
+
+    About exp(-z^2/2) at z standard deviations, and zero from four of them on: 1.5 times the sealing pressure.
+
+    Parameters
+    ----------
+    excess : float
+        ln of the pressure over the sealing pressure, not negative.
+
+    Examples
+    --------
+    >>> [round(share_beyond_sealing(math.log(times)), 4) for times in (1.0, 1.1, 1.2, 1.5)]
+    [1.0, 0.6265, 0.1552, 0.0]
+    """
+    share_of_most = excess / (CUT_OFF * INPUTS_KNOWN_TO)
+    return float(max(1.0 - share_of_most**2, 0.0) ** (0.5 * CUT_OFF**2))
+
+
 @dataclass(frozen=True, eq=False)
 class LeakModel:
     """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
@@ -618,8 +642,9 @@ class LeakModel:
     def leak_before_sealing(self, profile: PressureProfile, fluid_pressure: float) -> float:
         """Leak of one of the contacts if no place were pressed harder than direct simulations reach [m^3/s].
 
-        A harder pressed place leaks no more, so that close to the percolation threshold it is an upper bound. How far
-        beyond the threshold something may be open is taken to be as much as is left from there to the threshold.
+        A harder pressed place leaks no more, so that close to the percolation threshold it is an upper bound. Beyond
+        the sealing pressure it fades out as the chance does that harder or higher asperities seal later, see
+        `share_beyond_sealing`.
 
         Parameters
         ----------
@@ -627,17 +652,18 @@ class LeakModel:
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        surface = self.surface
-        profile = profile.at_rest(surface)
-        peak = max(land.peak_pressure for land in profile.lands)
-        if self.flow is None or self.table is None:
+        flow, surface = self.flow, self.surface
+        if flow is None or self.table is None:
             return 0.0
         if isinstance(surface, leak.TurnedContact):
             open_flow = self.leak_pressed_up_to(self.crests_open_up_to, profile, fluid_pressure)
             return 0.0 if open_flow is None else open_flow.leak_rate
         if self.is_direct:
             return 0.0
-        tables = [table.liquid for table in self.flow.in_lands(self.table, surface, profile)]
+        # what a larger load or flowing metal has sealed is as tight as they made it
+        profile = join_lands([land.equivalent(self.table, surface) for land in profile.lands])
+        tables = [table.liquid for table in flow.in_lands(self.table, surface, profile)]
+        peak = max(land.peak_pressure for land in profile.lands)
         low, high = math.log(1e-6 * peak), math.log(peak)
 
         def beyond_sealing(log_pressure: float) -> float:
@@ -645,22 +671,15 @@ class LeakModel:
             log_p = np.array(log_pressure)
             return min(float(table.table_log_p(log_p)) - math.log(table.sealing_pressure) for table in tables)
 
-        extra_area = 0.0
-        if beyond_sealing(high) > 0.0:
-            sealing = math.exp(root_between(beyond_sealing, low, high))
-            extra_area = float(surface.contact_area(peak)) - float(surface.contact_area(sealing))
-        share = 1.0 - extra_area / (surface.percolation_threshold - DIRECT_END)
-        if not share > 0.0:
-            return 0.0
-
         def beyond_simulations(log_pressure: float) -> float:
             return float(surface.contact_area(math.exp(log_pressure))) - DIRECT_END
 
         if beyond_simulations(high) <= 0.0:
             return 0.0
+        sealing = root_between(beyond_sealing, low, high) if beyond_sealing(high) > 0.0 else high
         limit = math.exp(root_between(beyond_simulations, low, high))
-        flow = self.leak_pressed_up_to(limit, profile, fluid_pressure)
-        return 0.0 if flow is None else share * flow.leak_rate
+        open_flow = self.leak_pressed_up_to(limit, profile, fluid_pressure)
+        return 0.0 if open_flow is None else share_beyond_sealing(high - sealing) * open_flow.leak_rate
 
     def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""

@@ -25,7 +25,7 @@ from fem_seal.seal.findings import (
     near_limit,
     remark,
 )
-from fem_seal.seal.leak_model import DIRECT_END
+from fem_seal.seal.leak_model import DIRECT_END, INPUTS_KNOWN_TO
 from fem_seal.seal.load_result import LoadResult, load_words
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import DIGITS, format_at_limit
@@ -710,11 +710,13 @@ def _sealed_loads(surface: RoughContact, loads: Sequence[LoadResult], sealing: f
         peak, acts = load.tightest.highest, load.tightest.at_rest(surface).highest
         first = load_words(min(tight, key=lambda load: load.point), loads)
         leaky = surface.hardness is not None and surface.latest_sealing_pressure > acts
+        bounded = load.leak_before_sealing > 0.0
         yield caution(
             "sealed",
             load,
             loads,
-            leak_factor=Bounds(0.0, math.inf) if leaky else EXACT,
+            leak_factor=Bounds(0.0 if leaky else 1.0, math.inf if leaky or bounded else 1.0),
+            known_to=INPUTS_KNOWN_TO if bounded else None,
             threshold=surface.percolation_threshold,
             pressure=_named_pressure(load),
             peak=_stress(peak, load, sealing),
@@ -736,7 +738,8 @@ def _nearly_sealed(
         yield from _direct_cautions(problem.flow.direct.table(surface), load, loads, surface)
         return
     yield from _few_channels(load, loads, surface)
-    peak = load.tightest.at_rest(surface).peak_pressure
+    rest = load.tightest.at_rest(surface)
+    peak = float(surface.equivalent_first_loading_pressure(rest.peak_pressure, rest.highest))
     if surface.most_contact_area(peak) <= DIRECT_END:
         return
     area = float(surface.contact_area(peak))
@@ -759,7 +762,7 @@ def _nearly_sealed(
         proven=False,
         area=area,
         threshold=surface.percolation_threshold,
-        flows=peak > AGREE * load.peak_pressure,
+        flows=rest.peak_pressure > AGREE * load.peak_pressure,
         above=peak >= sealing,
         direct_end=DIRECT_END,
         times=few * high if finite else None,

@@ -121,7 +121,8 @@ def _resistances(surface: TurnedContact, rough: LeakModel, land: PressureProfile
     assert rough.flow is not None and rough.table is not None  # of the caller
     table, places, x = rough.table.liquid, surface.crest_places, land.x
     count, period = _PHASES * places.size, surface.crest_distance * places.size
-    land = land.equivalent(table, surface)
+    # what is all but sealed has its own bound, which the place of the crests moves as it moves this
+    land = land.equivalent(table, surface).pressed_up_to(rough.crests_open_up_to)
     totals = []
     for phase in range(count):
         crests = np.arange(x[0] + (phase / count - 1.0) * period, x[-1], period) + places[:, None]

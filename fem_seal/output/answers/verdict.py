@@ -208,7 +208,7 @@ def _sentence(judgement: SealVerdict) -> str:
     if worst.why is VerdictReason.UNKNOWN and math.isnan(worst.limit.leak_rate):
         return "no_limit"
     if worst.why is VerdictReason.ACCURACY:
-        return worst.verdict
+        return "sealed_unless" if math.isinf(worst.off) else worst.verdict
     if worst.why is VerdictReason.FAR and not worst.reason:
         return "far_unsampled"
     if worst.why is not VerdictReason.LIMIT:
