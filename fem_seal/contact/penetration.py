@@ -82,6 +82,8 @@ class PenetratingFluid(_BetweenSurfaces):
         What larger pressures leave behind; nothing without it.
     largest : ndarray, shape (m,), optional
         Largest pressure that each place has carried before [Pa].
+    at_rest : callable, optional
+        Profile over metal that is not strained which lets as much through; itself without it.
 
     Notes
     -----
@@ -102,6 +104,7 @@ class PenetratingFluid(_BetweenSurfaces):
     highest: float = 1.0
     equivalent: Equivalent | None = field(default=None, repr=False)
     largest: FloatArray | None = field(default=None, repr=False)
+    at_rest: Callable[[PressureProfile], PressureProfile] = field(default=lambda profile: profile, repr=False)
 
     def after_load(self, largest: FloatArray) -> FluidPath:
         """See `FluidPath.after_load`."""
@@ -117,7 +120,7 @@ class PenetratingFluid(_BetweenSurfaces):
 
     def unknowns_of(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Fluid pressure over the pressure difference."""
-        profile = _flow_profile(self, profile)
+        profile = self.at_rest(_flow_profile(self, profile))
         if profile.parts or profile.pressure.max() < self.sealing_pressure:
             return self.pressure_along(profile, fluid_pressure) / fluid_pressure
         inner, outer = _stretch_above(profile, self.sealing_pressure)

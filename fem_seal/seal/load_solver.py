@@ -382,6 +382,7 @@ class LoadSolver:
             side,
             highest=math.inf if any(flow.flow.chambers) else 1.0,
             equivalent=equivalent,
+            at_rest=lambda profile: profile.at_rest(flow.surface),
         )
 
     def _pressure_drops(self, profile: PressureProfile, fluid_pressure: float) -> list[float]:

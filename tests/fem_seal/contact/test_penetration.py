@@ -1,6 +1,7 @@
 """Fluid that gets between the surfaces: loads, coupled contact and flow, blow-off - against what mechanics says."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -306,11 +307,18 @@ def test_a_held_fluid_gets_to_where_the_contact_presses_as_hard():
         assert solution.applied_force == pytest.approx(0.0, abs=1e-9 * solution.contact_force)
 
 
-def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
+@pytest.mark.parametrize("strained", [1.0, 2.0])
+def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part(strained):
+    """Over strained metal where the pressure that acts seals, here twice that of the contact."""
     contact = solve(model(), LAW, contact_force=1000.0)
     profile = contact.profile
     limit = 0.5 * profile.peak_pressure
-    path = PenetratingFluid(lambda *_: pytest.fail("nothing flows"), limit, "outer")
+    path = PenetratingFluid(
+        lambda *_: pytest.fail("nothing flows"),
+        strained * limit,
+        "outer",
+        at_rest=lambda profile: replace(profile, pressure=strained * profile.pressure),
+    )
     share = path.unknowns_of(profile, PRESSURE)
     assert (share[(profile.x < 0) & (profile.pressure < 0.99 * limit)] == 0).all()
     assert (share[(profile.x > 0) & (profile.pressure < 0.99 * limit)] == 1).all()
