@@ -35,13 +35,13 @@ _ROLES = {
     "bulk_strain_meridional": r"bulk_strain_meridional",
     "bulk_strain_hoop": r"bulk_strain_hoop",
     "gap": r"gap|copen|cshear|largest|.*(separation|stress|strain|force)",
-    "pressure": r"(contact_?)?pressure(\b|_)|cpress|cont_?pres|pres(\b|_)|p(?![a-z:.])",
+    "pressure": r"(contact_?)?pressure(\b|_)|cpress|cont_?pres|lags_c|pres(\b|_)|p(?![a-z:.])",
     "angle": r"(theta|phi|angle|azimuth)(\b|_|$)",
     "arc": r"(s|arc_?length|arc|distance|true_distance.*|path.*|length|position)$",
     "radius": r"(r|radius|radial_.*|r_coord.*)$",
-    "x": r"(x|x_?coord.*|(coord\.?)?coor1|coord_?1|points?[:_]0|coordinates?[:_]0)$",
-    "y": r"(y|y_?coord.*|(coord\.?)?coor2|coord_?2|points?[:_]1|coordinates?[:_]1)$",
-    "z": r"(z|z_?coord.*|(coord\.?)?coor3|coord_?3|points?[:_]2|coordinates?[:_]2)$",
+    "x": r"(x|x_?(coord|loc).*|(coord\.?)?coor1|coord_?1|points?[:_]0|coordinates?[:_]0)$",
+    "y": r"(y|y_?(coord|loc).*|(coord\.?)?coor2|coord_?2|points?[:_]1|coordinates?[:_]1)$",
+    "z": r"(z|z_?(coord|loc).*|(coord\.?)?coor3|coord_?3|points?[:_]2|coordinates?[:_]2)$",
     "step": r"(load_?)?(step|case)|frame|increment|substep|time(\b|_|$)|part_instance|set$",
 }
 _LENGTHS = ("arc", "radius", "x", "y", "z")
@@ -145,19 +145,8 @@ class _Step:
 
 def _steps(table: TextTable) -> Iterator[_Step]:
     """The load steps of a table."""
-    if table.stray is not None:
-        number, line = table.stray
-        raise TextTableError(problem("profile_row", number=number, line=line[:40], first=table.lines[0]))
-    roles = _roles(table)
-    numbers = [
-        place
-        for role in (*_LENGTHS, "pressure", "fluid_pressure", *_STRAINS)
-        for place in roles.get(role, ())
-    ]
-    bad_rows = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
-    if bad_rows.size:
-        line, row = table.lines[bad_rows[0]], table.rows[bad_rows[0]]
-        raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(numbers)} finite numbers')
+    roles = column_roles(table)
+    check_rows(table, roles)
     header = table.header
     table = drop_extremes(_with_units(table, roles))
     units = [name_and_unit(name)[1] for name, old in zip(table.header, header, strict=True) if name != old]
@@ -169,17 +158,41 @@ def _steps(table: TextTable) -> Iterator[_Step]:
         for role in _LENGTHS
         if role in roles
     }
-    loads = column(table, roles["fluid_pressure"][0], "pressure") if "fluid_pressure" in roles else None
-    if loads is not None and not (loads > 0).all():
-        lowest = Quantity(float(loads.min()), "given fluid pressure")
-        raise TextTableError(f"fluid pressure must be positive, it holds {lowest}")
+    loads = fluid_pressures(table, roles)
     strains = _strains(table, roles)
     for place, strain in zip(roles["pressure"], strains, strict=True):
         pressure = column(table, place, "pressure")
         _check_pressure(table, pressure)
         for rows in _groups(table, roles, loads, next(iter(places.values()))[1]):
-            load = _load_in(table.header[place]) if loads is None else float(loads[rows[0]])
+            load = load_in(table.header[place]) if loads is None else float(loads[rows[0]])
             yield _Step(places, pressure, header[place], load, remark, strain).rows(rows)
+
+
+def check_rows(table: TextTable, roles: dict[str, list[int]]) -> None:
+    """TextTableError if a line under a table is no row of it, or a row lacks a number that is read."""
+    if table.stray is not None:
+        number, line = table.stray
+        raise TextTableError(problem("profile_row", number=number, line=line[:40], first=table.lines[0]))
+    numbers = [
+        place
+        for role in (*_LENGTHS, "pressure", "fluid_pressure", *_STRAINS)
+        for place in roles.get(role, ())
+    ]
+    bad_rows = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
+    if bad_rows.size:
+        line, row = table.lines[bad_rows[0]], table.rows[bad_rows[0]]
+        raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(numbers)} finite numbers')
+
+
+def fluid_pressures(table: TextTable, roles: dict[str, list[int]]) -> FloatArray | None:
+    """The column of fluid pressures [Pa], if there is one."""
+    if "fluid_pressure" not in roles:
+        return None
+    loads = column(table, roles["fluid_pressure"][0], "pressure")
+    if not (loads > 0).all():
+        lowest = Quantity(float(loads.min()), "given fluid pressure")
+        raise TextTableError(f"fluid pressure must be positive, it holds {lowest}")
+    return loads
 
 
 def _strains(table: TextTable, roles: dict[str, list[int]]) -> Sequence[FloatArray | None]:
@@ -200,7 +213,7 @@ def _strains(table: TextTable, roles: dict[str, list[int]]) -> Sequence[FloatArr
     return strains
 
 
-def _roles(table: TextTable) -> dict[str, list[int]]:
+def column_roles(table: TextTable) -> dict[str, list[int]]:
     """Places of the columns whose names are known, by what they hold; several of contact pressures only."""
     example = 'such as "x [mm], contact_pressure [MPa]"'
     if not table.header:
@@ -210,7 +223,7 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     words = [name_and_unit(name)[0] for name in table.header]
     roles: dict[str, list[int]] = {}
     for place, word in enumerate(words):
-        role = next((role for role, pattern in _ROLES.items() if re.match(pattern, word)), None)
+        role = role_of(word)
         if role is not None and (role in _OF_STEPS or role not in roles):
             roles.setdefault(role, []).append(place)
     numeric = np.flatnonzero(~np.isnan(table.values).all(axis=0)).tolist()
@@ -225,8 +238,18 @@ def _roles(table: TextTable) -> dict[str, list[int]]:
     if not roles.keys() & {*_LENGTHS}:
         raise TextTableError(f"has no column x (arc length) or r (radius); its columns are {names}")
     # where the program's own name stands, other pressures are others
-    named = [place for place in roles["pressure"] if _WITHOUT_UNITS.match(words[place])]
+    named = [place for place in roles["pressure"] if is_of_program(words[place])]
     return roles | {"pressure": named or roles["pressure"]}
+
+
+def role_of(word: str) -> str | None:
+    """What a column or a field holds, one of `_ROLES`, by the word of its name; see `fem_seal.files.name_and_unit`."""
+    return next((role for role, pattern in _ROLES.items() if re.match(pattern, word)), None)
+
+
+def is_of_program(word: str) -> bool:
+    """Whether a finite-element program calls its contact pressure so."""
+    return _WITHOUT_UNITS.match(word) is not None
 
 
 def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
@@ -237,7 +260,7 @@ def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
     pressures = roles["pressure"]
     bare = [place for place in (*lengths, *pressures) if not name_and_unit(header[place])[1]]
     words = [name_and_unit(name)[0] for name in header]
-    unknown = any(map(_POINTS.match, words)) or all(_WITHOUT_UNITS.match(words[place]) for place in pressures)
+    unknown = any(map(_POINTS.match, words)) or all(is_of_program(words[place]) for place in pressures)
     consistent = unknown and len(bare) == len(lengths) + len(pressures)
     if consistent:
         in_pascal = float(np.nanmax(np.abs(table.values[:, pressures]))) > _IN_PASCAL
@@ -271,7 +294,7 @@ def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
         )
 
 
-def _load_in(name: str) -> float | None:
+def load_in(name: str) -> float | None:
     """Fluid pressure in the name of a column, "p at 20 bar [MPa]" [Pa]."""
     match = _LOAD.search(re.sub(r"[\[(][^\])]*[\])]\s*$", "", name))
     spelling = {"kpa": "kPa", "mpa": "MPa", "pa": "Pa"}
@@ -283,14 +306,22 @@ def _groups(
     table: TextTable, roles: dict[str, list[int]], loads: FloatArray | None, x: FloatArray
 ) -> list[IntArray]:
     """Rows of each load step, in their order."""
+    groups = [part for rows in labelled_rows(table, roles, loads).values() for part in _begun_anew(x, rows)]
+    return sorted(groups, key=lambda rows: int(rows[0]))
+
+
+def labelled_rows(
+    table: TextTable, roles: dict[str, list[int]], loads: FloatArray | None
+) -> dict[tuple[str, ...], IntArray]:
+    """Rows of a table by what its columns say of their load step, which is nothing where there are none."""
     keys = [table.texts(place) for place in roles.get("step", ())]
     if loads is not None:
         keys.append([f"{load!r}" for load in loads.tolist()])
-    labels = list(zip(*keys, strict=True)) if keys else [()] * len(x)
-    groups = list[IntArray]()
-    for label in dict.fromkeys(labels):
-        groups += _begun_anew(x, np.array([n for n, text in enumerate(labels) if text == label]))
-    return sorted(groups, key=lambda rows: int(rows[0]))
+    labels = list(zip(*keys, strict=True)) if keys else [()] * len(table.rows)
+    rows: dict[tuple[str, ...], list[int]] = {}
+    for number, label in enumerate(labels):
+        rows.setdefault(label, []).append(number)
+    return {label: np.array(numbers) for label, numbers in rows.items()}
 
 
 def _begun_anew(x: FloatArray, rows: IntArray) -> list[IntArray]:
@@ -395,7 +426,7 @@ def _of_points(
         remark = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
         return _on_seat(x, step.pressure, contact, remark), None, remark
     mask = step.pressure > _PRESSED_SHARE * step.pressure.max()
-    if len(coords) == 2 and not _on_one_curve(coords[0][1][mask], coords[1][1][mask]):
+    if len(coords) == 2 and not on_one_curve(coords[0][1][mask], coords[1][1][mask]):
         raise TextTableError(f"{names}: {_MAP}")
     best, over_a_surface = None, False
     for axis, r, turn in _meridians([values for _, values in coords]):
@@ -430,17 +461,17 @@ def _meridians(coords: Sequence[FloatArray]) -> Iterator[tuple[int, FloatArray, 
         yield axis, r, float(np.ptp(angle))
 
 
-def _on_one_curve(a: FloatArray, b: FloatArray) -> bool:
-    """Whether points in a plane lie along one curve: they leave a parabola over their longer side by little."""
-    if len(a) < _FEWEST_ROWS:
+def on_one_curve(*coords: FloatArray) -> bool:
+    """Whether points lie along one curve: they leave a parabola over their longer side by little."""
+    if len(coords[0]) < _FEWEST_ROWS:
         return True
-    points = np.stack([a - a.mean(), b - b.mean()])
-    major, minor = np.linalg.svd(points, full_matrices=False)[0].T @ points
+    points = np.stack([coord - coord.mean() for coord in coords])
+    major, *others = np.linalg.svd(points, full_matrices=False)[0].T @ points
     if not np.ptp(major) > 0.0:
         return False
     u = major / np.ptp(major)
-    deviation = minor - np.polynomial.Polynomial.fit(u, minor, 2)(u)
-    return bool(np.ptp(deviation) < _ON_CURVE * np.ptp(major))
+    deviations = [other - np.polynomial.Polynomial.fit(u, other, 2)(u) for other in others]
+    return all(bool(np.ptp(deviation) < _ON_CURVE * np.ptp(major)) for deviation in deviations)
 
 
 def _distance(r: FloatArray, z: FloatArray, pressure: FloatArray, contact: ContactGeometry) -> float:
