@@ -144,6 +144,11 @@ def is_map(file: str | Path, columns: str | None = None) -> bool:
     file : path
     columns : str, optional
         See `MapOptions`.
+
+    Examples
+    --------
+    >>> is_map("wedge.vtu"), is_map("no such file.csv")
+    (True, False)
     """
     from leak.text_tables import read_tables
 
@@ -451,6 +456,7 @@ def _of_mesh(file: Path, options: MapOptions) -> PressureMap:
         pressure = _on_nodes(pressure, points, triangles, cells)
     if gaps and gaps[0].on_cells:
         gap = _on_nodes(gap, points, triangles, cells)
+    listed = join_names(list(dict.fromkeys(names[1:])), 5)
     # of all steps the first
     once = {one.label: one for one in reversed(fields) if one not in both}
     masks = {f"{one.name} = {value:g}": mask for one in once.values() for value, mask in _whole(one, grid)}
@@ -462,7 +468,7 @@ def _of_mesh(file: Path, options: MapOptions) -> PressureMap:
         tuple(one.time or one.name for one in pressures),
         tuple(load_in(one.name) for one in pressures),
         masks | parts,
-        f"{join_names(names[1:])} on {names[0]} was taken for the contact pressure{' and the gap' if gaps else ''}",
+        f"{listed} on {names[0]} was taken for the contact pressure{' and the gap' if gaps else ''}",
     )
     found = _only(whole, _in_contact(whole, is_volume))
     places, count = _places(found.points)
