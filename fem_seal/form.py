@@ -104,6 +104,9 @@ class FormError:
         What is to be said about a measured trace.
     grooves : tuple of PlacedGroove
         Scratches across the face, and the lay of turning.
+    moment : float
+        That the contact carries about the centre of the circle of first touch, pressing at angle zero [N m]; not with a
+        guide.
     """
 
     waves: tuple[Wave, ...] = ()
@@ -112,6 +115,12 @@ class FormError:
     highest: int = 1
     remarks: tuple[str, ...] = ()
     grooves: tuple[PlacedGroove, ...] = ()
+    moment: float = 0.0
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the line load differs from place to place."""
+        return bool(self.felt_waves or self.moment)
 
     @property
     def felt_waves(self) -> tuple[Wave, ...]:
@@ -120,8 +129,10 @@ class FormError:
 
     @property
     def symmetry(self) -> int:
-        """How often the felt waves repeat themselves around the axis."""
-        return math.gcd(*(wave.waves for wave in self.felt_waves)) or max(self.highest, 1)
+        """How often the felt waves and the moment repeat themselves around the axis."""
+        return (
+            1 if self.moment else math.gcd(*(wave.waves for wave in self.felt_waves)) or max(self.highest, 1)
+        )
 
     def gap(self, angle: FloatArray) -> FloatArray:
         """What the felt waves add to the gap at angles [rad] around the axis [m]."""
@@ -138,7 +149,8 @@ class FormError:
         if self.tolerance is None:
             return self
         angle = np.linspace(0.0, 2 * np.pi, 3600, endpoint=False)
-        widest = float(angle[np.argmax(self.gap(angle))]) if self.felt_waves else 0.0
+        least_pressed = math.pi if self.moment > 0 else 0.0
+        widest = float(angle[np.argmax(self.gap(angle))]) if self.felt_waves else least_pressed
         tolerance_wave = Wave(number, self.tolerance.amplitude, number * widest)
         return replace(
             self,

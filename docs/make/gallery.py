@@ -67,6 +67,7 @@ SPECIAL = {
     "scratched_seat": "contact",
     "turned_seat": "law",
     "copper_ring": "compression",
+    "bent_flange": "line_load_around",
     "proof_load": "memory",
     "elastoplastic_seat": "imprint",
     "hot_coined_seat": "imprint",
@@ -101,7 +102,7 @@ GROUPS = {
         "tilted_poppet",
         "scratched_seat",
     ),
-    "Gaskets": ("copper_ring", "delta_seal", "ring_joint"),
+    "Gaskets": ("copper_ring", "delta_seal", "ring_joint", "bent_flange"),
     "After a larger load": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
 }
 

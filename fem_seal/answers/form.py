@@ -128,7 +128,7 @@ class FormAnswers:
         Smallest force of spring or actuator at which the least line load is `CLOSED_SHARE` of the mean [N]; None if no
         force does it.
     allowed : AllowedForm or None
-        None without a target, and where no class is met even by the round seal.
+        None without a target or [form], and where no class is met even by the round seal.
     goes_round : float or None
         Share by which more leaks because fluid goes round tight places; None if not asked.
     deepest_scratch : tuple of float or None
@@ -240,7 +240,7 @@ class _FormLoad:
     def curve(self) -> list[FormPoint]:
         """Points of the curve, as far as they can be calculated."""
         points = []
-        for factor in _FACTORS:
+        for factor in _FACTORS if self.form.felt_waves else ():
             try:
                 circumference = self.with_form(self.form.scale(factor))
             except (ConvergenceError, OpenSealError):
@@ -258,7 +258,7 @@ class _FormLoad:
         """With one wave beside the eccentricity and tilt that there are, widest where they are."""
         rigid = tuple(wave for wave in self.form.waves if wave.waves == 1)
         zone = WaveTolerance(amplitude, (number, number))
-        return self.leak_rate(FormError(rigid, self.form.guided, zone).with_waves(number))
+        return self.leak_rate(replace(self.form, waves=rigid, tolerance=zone, highest=1).with_waves(number))
 
     def leak_rate(self, form: FormError) -> float:
         """Infinite where the form error is too large to be solved."""
@@ -276,7 +276,7 @@ def _rate(circumference: Circumference) -> float | None:
 def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     """Force of spring or actuator at which the seal is closed all around."""
     circumference = load.circumference
-    if circumference is None or not circumference.form.felt_waves:
+    if circumference is None or not circumference.form.uneven:
         return None
 
     trials = Trials([solver], load.fluid_pressure)
@@ -350,7 +350,7 @@ def _limit(case: Case, load: CaseLoad) -> tuple[str, float] | None:
 
 def _allowed_form(case: Case, load: CaseLoad, trial: _FormLoad, form: FormError) -> AllowedForm | None:
     limit = _limit(case, load)
-    if limit is None or load.leak is None:
+    if case.form is None or limit is None or load.leak is None:
         return None
     name, rate = limit
     axial = load.contact.model.touch_normal_z
@@ -391,8 +391,8 @@ def _largest_size(leak_rate: Callable[[float], float], limit: float, start: floa
 
 def _compute(seal: SolvedSeal, request: Request) -> FormAnswers:
     case = seal.case
-    assert case.form is not None  # of `applies`
-    form = case.form.error(case.contact.angle, case.initial_contact_radius)
+    form = case.form_error
+    assert form is not None  # of `needs`
     return form_answers(request.solver, case, seal.highest, form)
 
 
@@ -402,5 +402,5 @@ FORM = Answer[FormAnswers | None](
     _compute,
     None,
     status="what the form error means",
-    needs=("case.form",),
+    needs=("problem.form",),
 )

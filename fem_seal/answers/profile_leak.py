@@ -60,7 +60,10 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
         raise InputError(problem_of("profile_load_before"), file=problem.file)
     peaks = [float(profile.pressure.max()) for profile in profiles]
     if problem.form is not None:
-        raise InputError(problem_of("profile_form"), file=problem.file)
+        raise InputError(
+            problem_of("profile_form", key="load.bending_moment" if problem.form.moment else "form"),
+            file=problem.file,
+        )
     contacts = [_profile(problem.contact, profile) for profile in profiles]
     rough = LeakModel(surface, flow, partial(_conductivity, contacts))
     fluid_pressures = _fluid_pressures(problem, profiles)

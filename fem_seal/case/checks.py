@@ -246,7 +246,7 @@ def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
     """
     particles = case.fluid is not None and case.fluid.particles is not None
     options = {
-        "form": case.form is not None,
+        case.uneven_key or "form": case.uneven_key is not None,
         "gasket.stop": case.gasket is not None and case.gasket.stop is not None,
         "fluid.particles": particles,
         "leak.conductivity": case.leak.conductivity == "direct",
@@ -370,8 +370,8 @@ def _lands(case: CaseTables) -> Iterator[Problem]:
         if pressures_given is not None:
             yield problem("no_chamber", **case.labels)
         return
-    if case.form is not None:
-        yield problem("lands_form", **case.labels)
+    if case.uneven_key is not None:
+        yield problem("lands_form", key=case.uneven_key, **case.labels)
     if case.leak.fluid_in_gap == "local":
         yield problem("lands_local", **case.labels)
 
@@ -444,18 +444,18 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
 
 
 def _form(case: CaseTables) -> Iterator[Problem]:
-    """What does not go together with a form error."""
-    form = case.form
-    if form is None:
-        return
-    if curves(case):
+    """What does not go together with a form error or a moment."""
+    form, key = case.form, case.uneven_key
+    if form is not None and "guide" in form.model_fields_set and case.load.moment:
+        yield problem("guide_and_moment", guide=form.guide)
+    if curves(case) and key is not None:
         bodies = [
             case.key_of(name)
             for name in ("closure", "seat")
             if case.table_of(name).material.hardening is not None
         ]
-        yield problem("form", bodies=" and ".join(bodies))
-    if (form.scratches or form.lay) and (table := _missing(case)):
+        yield problem("form", key=key, bodies=" and ".join(bodies))
+    if form is not None and (form.scratches or form.lay) and (table := _missing(case)):
         yield problem("grooves", key="scratches" if form.scratches else "lay", missing=table)
 
 

@@ -231,7 +231,7 @@ class Form(Table):
                 remarks.append(problem("across_normal", body=name, direction=part.direction, other=way))
         return remarks
 
-    def error(self, angle: float, initial_contact_radius: float) -> FormError:
+    def error(self, angle: float, initial_contact_radius: float, moment: float = 0.0) -> FormError:
         """What the table does to the gap.
 
         Parameters
@@ -240,6 +240,8 @@ class Form(Table):
             Of the contact normal to the axis [rad].
         initial_contact_radius : float
             [m]
+        moment : float
+            That the contact carries [N m].
         """
         normal, offset = _normal(angle), (self.eccentricity, self.eccentricity_angle)
         waves = [
@@ -259,8 +261,9 @@ class Form(Table):
                 remarks += map(str, part.trace.remarks(name))
         tolerance = WaveTolerance(zone, (wave_range[0], wave_range[1])) if zone else None
         grooves = [cut.groove for cut in self.scratches] + ([] if self.lay is None else [self.lay.groove])
+        guided = self.guide == "guided"
         return FormError(
-            combine_waves(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
+            combine_waves(waves), guided, tolerance, highest, tuple(remarks), tuple(grooves), moment
         )
 
 

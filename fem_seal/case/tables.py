@@ -48,6 +48,7 @@ from meshes import ContactGeometry, Shape
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from fem_seal.form import FormError
     from leak.standards import ClosureTest
 
 
@@ -67,6 +68,13 @@ class Interface(Table):
     p_c: Annotated[float, Quantity("pressure", "1 Pa", "1e6 GPa")] | None = None
 
 
+class SideForce(Table):
+    """[load.side_force]: a force on the closure at right angles to the axis."""
+
+    force: Annotated[float, Quantity("force", "-1e9 N", "1e9 N")]
+    height: Annotated[float, Quantity("length", "-100 m", "100 m")]
+
+
 class Load(Table):
     """[load]: fluid pressures, one result each and in this order, and the force on the closure."""
 
@@ -79,6 +87,8 @@ class Load(Table):
     largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = None
     target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = None
     chamber_pressure: Annotated[tuple[float | None, ...], Several(CHAMBER_PRESSURE)] | None = None
+    bending_moment: Annotated[float, Quantity("torque", "-1e9 N m", "1e9 N m")] = 0.0
+    side_force: SideForce | None = None
 
     @model_validator(mode="after")
     def _one_pressure_under_all_forces(self) -> Load:
@@ -99,6 +109,12 @@ class Load(Table):
         """The same with the force of a spring that holds the set pressure on a circle [m]."""
         assert self.set_pressure is not None
         return self.model_copy(update={"applied_force": contact_force(sealing_radius, self.set_pressure)})
+
+    @property
+    def moment(self) -> float:
+        """That the contact carries about the centre of the circle of first touch [N m]."""
+        side = self.side_force
+        return self.bending_moment + (0.0 if side is None else side.force * side.height)
 
     @property
     def points(self) -> tuple[tuple[float, float], ...]:
@@ -443,6 +459,21 @@ class CaseTables(Table):
     def initial_contact_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.initial_contact_radius
+
+    @property
+    def uneven_key(self) -> str | None:
+        """What makes the line load uneven: [form], or the entry of [load] with a moment; None without either."""
+        if self.form is not None or not self.load.moment:
+            return None if self.form is None else "form"
+        return "load.bending_moment" if self.load.bending_moment else "load.side_force"
+
+    @property
+    def form_error(self) -> FormError | None:
+        """Form and moment of an uneven seal; None of an even one."""
+        if self.uneven_key is None:
+            return None
+        form = self.form or Form()
+        return form.error(self.contact.angle, self.initial_contact_radius, self.load.moment)
 
     @property
     def on_sealed_area(self) -> bool:

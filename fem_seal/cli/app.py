@@ -496,8 +496,9 @@ def _remarks(case: Case) -> list[str]:
         remarks.append("no [fluid]: no leak rate is calculated")
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
+    if (key := case.uneven_key) is not None:
+        remarks.append(problem("check_of_round_seal", key="[form]" if key == "form" else key))
     if case.form is not None:
-        remarks.append(problem("check_of_round_seal"))
         remarks.extend(case.form.without_effect(case.contact.angle))
     problems = problems_of(case)
     first = problems[0]

@@ -7,7 +7,8 @@ contact of its own line load f(phi), and the bodies even out what they can:
 
 with D(f) the approach along the normal of the axisymmetric contact, f_n(phi) the n-th harmonic of f, c_n the opening
 under a line load that waves n times, and h(phi) what the form error adds to the gap. A closure that is free to shift
-and tilt takes no first harmonic of f, and gives way to that of h. See theory/form in the manual.
+and tilt takes no first harmonic of f, or that of a given moment, and gives way to that of h. See theory/form in the
+manual.
 """
 
 from __future__ import annotations
@@ -163,6 +164,7 @@ def line_load_around(
     *,
     symmetry: int = 1,
     guided: bool = False,
+    first: float = 0.0,
     start: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Line load and approach at uniform angles of one period of the form error.
@@ -180,6 +182,8 @@ def line_load_around(
         How often the form error repeats itself around the axis.
     guided : bool
         Whether the closure takes a lateral force and a moment.
+    first : float
+        Amplitude of the first harmonic that a given moment asks for, where neither guided nor symmetric [N/m].
     start : ndarray, shape (m,), optional
         Line load from which it is looked for; even unless given [N/m].
 
@@ -201,7 +205,7 @@ def line_load_around(
 
     def attempt(iterate: Iteration, share: float, begin: FloatArray) -> Solution | None:
         try:
-            return iterate(_Problem(local, ring, share * gap, mean), begin)
+            return iterate(_Problem(local, ring, share * gap, mean, share * first), begin)
         except ConvergenceError as error:
             # it asks for a contact that cannot be solved
             failures.append(error)
@@ -244,7 +248,7 @@ class _Ring:
     stiffening : ndarray, shape (m // 2 + 1,)
         c_n - c_0 of the harmonics of a period with m angles [m per N/m].
     rigid : ndarray, shape (1 or 3, m)
-        Motions of the closure: along the axis, and of a free one the two first harmonics.
+        Motions of the closure: along the axis, and unless guided the two first harmonics.
     """
 
     stiffening: FloatArray
@@ -265,10 +269,9 @@ class _Ring:
         """By how much less the bodies open at each angle than under a load that is even there [m]."""
         return np.fft.irfft(self.stiffening * np.fft.rfft(line_load), line_load.shape[-1])
 
-    def missing_resultants(self, line_load: FloatArray, mean: float) -> FloatArray:
-        """What a line load lacks of the given resultants [N/m]: its mean, and of a free closure no first harmonic."""
-        resultants = np.zeros(len(self.rigid))
-        resultants[0] = mean
+    def missing_resultants(self, line_load: FloatArray, problem: _Problem) -> FloatArray:
+        """What a line load lacks of the given resultants [N/m]: its mean, and unless guided its first harmonic."""
+        resultants = np.array([problem.mean, 0.5 * problem.first, 0.0][: len(self.rigid)])
         return resultants - self.rigid @ line_load / line_load.shape[-1]
 
     def step(
@@ -307,12 +310,13 @@ class _Ring:
 
 
 class _Problem(NamedTuple):
-    """What is to be solved: the line load of contacts around a ring that closes a gap's change, of a given mean."""
+    """The line load to be found: of contacts around a ring, closes a gap's change, has a mean and a first harmonic."""
 
     local: LocalContact
     ring: _Ring
     gap: FloatArray
     mean: float
+    first: float
 
 
 def _solve_in_logarithms(problem: _Problem, start: FloatArray) -> Solution | None:
@@ -320,7 +324,7 @@ def _solve_in_logarithms(problem: _Problem, start: FloatArray) -> Solution | Non
 
     Where the line load rises, a step is taken as log(1 + dv), so that the exponential cannot run away.
     """
-    local, ring, gap, mean = problem
+    local, ring, gap, mean, _ = problem
     v = np.log(start)
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
     for _ in range(_MAX_STEPS):
@@ -329,7 +333,7 @@ def _solve_in_logarithms(problem: _Problem, start: FloatArray) -> Solution | Non
             return None
         approach, decay = local.approach(f)
         residual = motion - ring.opening(f) - gap - approach
-        missing_load = ring.missing_resultants(f, mean)
+        missing_load = ring.missing_resultants(f, problem)
         if np.max(np.abs(residual) / decay) < _TOLERANCE and np.max(np.abs(missing_load)) < _TOLERANCE * mean:
             return f, approach
         tangent = f / decay
@@ -361,13 +365,13 @@ def _solvable(local: LocalContact, v: FloatArray, step: FloatArray) -> float:
 
 def _solve_in_line_loads(problem: _Problem, start: FloatArray) -> Solution | None:
     """Newton's method for a line load that may be nothing at some places; None if it fails."""
-    local, ring, gap, mean = problem
+    local, ring, gap, mean, _ = problem
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
     balance = _Balance.of(problem, start, motion)
     for _ in range(_MAX_STEPS):
-        if balance.largest_residual < _TOLERANCE * mean:
+        if max(balance.largest_residual, balance.lacks) < _TOLERANCE * mean:
             return balance.line_load, balance.approach
-        change = ring.step(balance.tangent, balance.residual, ring.missing_resultants(balance.guess, mean))
+        change = ring.step(balance.tangent, balance.residual, ring.missing_resultants(balance.guess, problem))
         if change is None or not (np.isfinite(change[0]).all() and np.isfinite(change[1]).all()):
             return None
         balance = balance.advance(*change, problem)
@@ -388,13 +392,13 @@ class _Balance:
 
     @classmethod
     def of(cls, problem: _Problem, guess: FloatArray, motion: FloatArray) -> _Balance:
-        local, ring, gap, mean = problem
+        local, ring, gap, *_ = problem
         approach = motion - ring.opening(guess) - gap
         with np.errstate(over="ignore"):
             line_load, tangent = local.line_load(approach)
         if not (np.isfinite(line_load).all() and (tangent >= 0).all()):
             raise ConvergenceError(problem_of("around_no_bounds"))
-        lacks = float(np.abs(ring.missing_resultants(guess, mean)).max())
+        lacks = float(np.abs(ring.missing_resultants(guess, problem)).max())
         return cls(guess, motion, approach, line_load, tangent, lacks)
 
     @property

@@ -110,8 +110,8 @@ def solve_live_loads(
     loads = replace(whole.loads.without_loads(others), target_leak_rate=None)
     if load_seconds(case) < _FILLS:
         # of a gas, and of a seal that is not round, each takes several times as long
-        shares = _SHARES if case.form is None and not _of_gas(whole) else (0.5,)
-        fill = _fill_curve(loads.points, shares, _FEW if case.form is None else 1)
+        shares = _SHARES if whole.form is None and not _of_gas(whole) else (0.5,)
+        fill = _fill_curve(loads.points, shares, _FEW if whole.form is None else 1)
         loads = replace(loads, points=(*loads.points, *fill))
     evaluations = evaluate_seal(under_loads(problems, loads), SOURCE)
     return evaluations, len(numbers) - sum(n < len(numbers) for n in evaluations[0].solved_loads.failures)

@@ -15,6 +15,7 @@ from numpy.polynomial import Chebyshev
 from fem_seal.contact.around import Stiffening, line_load_around
 from fem_seal.errors import OpenSealError
 from fem_seal.files import problem
+from fem_seal.form import Wave
 from fem_seal.profile import PressureProfile
 
 if TYPE_CHECKING:
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
     from fem_seal.seal.leak_model import ProfileLeak
     from leak import LeakBounds, LeakResult
 
-# Angles for each wave of the highest harmonic.
-ANGLES_PER_WAVE = 64
+# Angles for each wave of the highest harmonic; a moment, which may lift one side, counts as so many waves.
+ANGLES_PER_WAVE, _OF_MOMENT = 64, 4
 # Harmonics to which the bodies are asked, of a form that repeats itself in units of its period; beyond them they answer
 # as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with this share of all
 # amplitudes.
@@ -70,6 +71,8 @@ class Circumference:
         Of closure and seat along the normal [m].
     bend : ndarray, shape (m,)
         By how much the waving part of the line load bends the gap across the width, in x^2 [1/m].
+    tilt : Wave or None
+        Of the gap, by a closure that tilts until the contact carries the given moment; None without one.
     leak_rate : ndarray, shape (m,), or None
         Of the fluid that flows straight across at each angle [m^3/s per radian]; None without roughness or fluid.
     leak : LeakResult or None
@@ -88,6 +91,7 @@ class Circumference:
     line_load: FloatArray = field(repr=False)
     approach: FloatArray = field(repr=False)
     bend: FloatArray = field(repr=False)
+    tilt: Wave | None = None
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
     bounds: tuple[LeakBounds[Any], ...] = field(default=(), repr=False)
@@ -110,6 +114,18 @@ class Circumference:
     def most_loaded(self) -> ContactSolution:
         """The contact at the largest line load."""
         return self.local.at(float(self.line_load.max()))
+
+    @property
+    def moved_gap(self) -> FloatArray:
+        """What form error and tilt add to the gap [m]."""
+        return self.gap_change if self.tilt is None else self.gap_change + self.tilt.at(self.angle)
+
+    @property
+    def tilt_angle(self) -> float:
+        """Of the closure's top against the bottom of the seat, without a shift, under a moment [rad]."""
+        model = self.local.mean.model
+        lever = model.initial_contact_radius * model.touch_normal_z
+        return 0.0 if self.tilt is None else self.tilt.amplitude / lever
 
     @property
     def over_mean(self) -> FloatArray:
@@ -373,12 +389,17 @@ def solve_both_around(
     circumference = solve_around(form, local, start)
     if before is None:
         return circumference
+    # bolts are tightened, and springs set, before something bends the seal
+    form_before = replace(circumference.form, moment=0.0)
+    angles = len(circumference.angle) if form.moment else None
     # the waves that fill a tolerance are not known beforehand
     start_before = start.before if start is not None and form.tolerance is None else None
-    return replace(circumference, before=solve_around(circumference.form, before, start_before))
+    return replace(circumference, before=solve_around(form_before, before, start_before, angles))
 
 
-def solve_around(form: FormError, local: LocalContact, start: Circumference | None = None) -> Circumference:
+def solve_around(
+    form: FormError, local: LocalContact, start: Circumference | None = None, angles: int | None = None
+) -> Circumference:
     """Line load around the axis of a seal with a form error.
 
     Parameters
@@ -389,24 +410,35 @@ def solve_around(form: FormError, local: LocalContact, start: Circumference | No
         At the mean line load, and at any other.
     start : Circumference, optional
         Of a form error with the same waves, whose line load is close: where this one is looked for.
+    angles : int, optional
+        In the whole turn; as many as the form needs, in each of its periods, unless given.
 
     Raises
     ------
     ConvergenceError
+    OpenSealError
+        If the moment tips the closure over: it passes the circle of first touch.
     """
     if form.tolerance is not None:
         return min(
             (solve_around(form.with_waves(number), local) for number in form.tolerance.candidates),
             key=lambda circumference: circumference.least_over_mean,
         )
-    mean, repeats = local.mean, form.symmetry
-    size = ANGLES_PER_WAVE * max(form.highest // repeats, 1)
-    if not form.felt_waves:
+    mean, repeats = local.mean, 1 if angles else form.symmetry
+    size = angles or ANGLES_PER_WAVE * max(form.highest // repeats, _OF_MOMENT if form.moment else 1)
+    if not form.uneven:
         angle = _angles(size * repeats)
         mean_load = np.full_like(angle, mean.line_load)
         zero = np.zeros_like(angle)
         return Circumference(
             form, local, angle, zero, mean_load, np.full_like(angle, local.mean_approach), zero
+        )
+    r0 = mean.model.initial_contact_radius
+    # f_1, of M = pi r0^2 n_z f_1
+    first = form.moment / (math.pi * r0**2 * mean.model.touch_normal_z)
+    if abs(first) >= 2.0 * mean.line_load:
+        raise OpenSealError(
+            problem("tipped", moment=form.moment, force=mean.contact_force, most=mean.contact_force * r0)
         )
     gap = form.gap(_angles(size) / repeats)
     stiffening = Stiffening(mean.model, mean.pressure, _highest_harmonic(form), repeats, local.openings)
@@ -417,22 +449,29 @@ def solve_around(form: FormError, local: LocalContact, start: Circumference | No
         mean.line_load,
         symmetry=repeats,
         guided=form.guided,
+        first=first,
         start=None if start is None else mean.line_load * start.over_mean[:size],
     )
     modes = np.fft.rfft(f)
-    felt = range(2 if repeats == 1 and not form.guided else 1, stiffening.highest // repeats + 1)
+    free = repeats == 1 and not (form.guided or form.moment)
+    felt = range(2 if free else 1, stiffening.highest // repeats + 1)
     bends = np.zeros_like(modes)
     for n in felt:
         bends[n] = stiffening.bend(n * repeats) * modes[n]
     bend = np.fft.irfft(bends, size)
+    tilt = None
+    if form.moment:
+        # of h = d n_z - D - (c_1 - c_0) f_1
+        phasor = -2.0 / size * (np.fft.rfft(approach)[1] + stiffening(1) * modes[1])
+        tilt = Wave(1, abs(phasor), -float(np.angle(phasor)))
     gap, f, approach, bend = (np.tile(values, repeats) for values in (gap, f, approach, bend))
-    return Circumference(form, local, _angles(size * repeats), gap, f, approach, bend)
+    return Circumference(form, local, _angles(size * repeats), gap, f, approach, bend, tilt)
 
 
 def _highest_harmonic(form: FormError) -> int:
     """Highest harmonic of the line load to which the bodies' own answer is calculated."""
     total = sum(abs(wave.amplitude) for wave in form.felt_waves)
-    strong = max(wave.waves for wave in form.felt_waves if abs(wave.amplitude) > _STRONG * total)
+    strong = max((w.waves for w in form.felt_waves if abs(w.amplitude) > _STRONG * total), default=1)
     return max(_PERIODS * form.symmetry if form.symmetry > 1 else _HARMONICS, strong)
 
 

@@ -27,11 +27,11 @@ def load_seconds(case: CaseTables) -> float:
     ----------
     case : CaseTables
     """
-    form, penetrates = case.form, not case.on_sealed_area
+    penetrates = not case.on_sealed_area
     of_gas = case.fluid is not None and case.fluid.gas is not None
     way = _GAS if of_gas else _FLUID
     path = _PATH * (2 if penetrates else 1) if yields(case) else way * penetrates
-    return _LOAD + path + _AROUND * (form is not None)
+    return _LOAD + path + _AROUND * (case.uneven_key is not None)
 
 
 def yields(case: CaseTables) -> bool:

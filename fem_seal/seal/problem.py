@@ -447,9 +447,7 @@ class SealProblem:
             loads=Loads.of(case),
             surface=rough_contact(case),
             flow=flow_of(case),
-            form=None
-            if case.form is None
-            else case.form.error(case.contact.angle, case.initial_contact_radius),
+            form=case.form_error,
             supports=Supports(wall=case.lower.wall),
             at_rest=AtRest.of(case),
             contact_size=case.mesh.contact_size,

@@ -346,7 +346,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 
 
 def _has_waves(load: LoadResult) -> bool:
-    return load.circumference is not None and bool(load.circumference.form.felt_waves)
+    return load.circumference is not None and load.circumference.form.uneven
 
 
 def _two(value: float) -> str:

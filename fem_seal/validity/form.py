@@ -44,7 +44,7 @@ def form_cautions(form: FormError, problem: SealProblem, loads: Sequence[LoadRes
     circumferences = [
         (load, load.circumference)
         for load in loads
-        if load.circumference is not None and load.circumference.form.felt_waves
+        if load.circumference is not None and load.circumference.form.uneven
     ]
     if not circumferences:
         return
@@ -62,7 +62,7 @@ _Circumferences = Sequence[tuple["LoadResult", "Circumference"]]
 def _short_waves(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Iterator[Finding]:
     waves_felt = circumferences[0][1].form.felt_waves
     total = sum(abs(wave.amplitude) for wave in waves_felt)
-    waves = max(wave.waves for wave in waves_felt if abs(wave.amplitude) > _COUNTS * total)
+    waves = max((wave.waves for wave in waves_felt if abs(wave.amplitude) > _COUNTS * total), default=1)
     load, _ = max(circumferences, key=lambda pair: pair[0].std)
     std, r0 = load.std, load.contact.model.initial_contact_radius
     share = waves * std / r0

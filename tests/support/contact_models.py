@@ -43,3 +43,12 @@ def ball_on_cone(
     loads = [line_load(force, contact.initial_contact_radius, angle) for force in forces]
     sizing = element_sizes(law, loads, contact, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
     return condense(meshes.build(ball, cone, sizing), {"closure": closure, "seat": seat}), forces
+
+
+def out_of_plane(n: int, ratio: float = 1.3) -> float:
+    """Deflection of a thin ring of radius and E I of one under cos n phi along its axis, with E I/(G J) = ratio.
+
+    From the curvature T/R - w''/R^2 and the twist T'/R + w'/R^2 with the rotation T of the section, which takes no
+    torque from the load.
+    """
+    return (1 + ratio / n**2) / (n**2 - 1) ** 2

@@ -90,6 +90,7 @@ REPEATED = {
     "leak_rate_paper_m3_per_s",
     "leak_rate_corrected_m3_per_s",
     "leak_rate_elastic_m3_per_s",
+    "leak_rate_crests_m3_per_s",
     "critical_separation_elastic_m",
 }
 # A sealed load has no interval.

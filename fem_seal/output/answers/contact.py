@@ -30,7 +30,7 @@ def _tiles(result: SealSolution, display: Display, load: CaseLoad) -> Iterator[T
     level = load.validity.of_contact.level
     land = hardest_land(load, display) if len(load.profiles) > 1 else ""
     peak = in_words(display, load, "peak_pressure_Pa")
-    mean = load.circumference is not None and load.circumference.form.felt_waves
+    mean = load.circumference is not None and load.circumference.form.uneven
     if mean:
         remark = say(display, "contact", "around", peak=peak)
         yield Tile(PEAK, in_words(display, load, "peak_pressure_max_Pa"), remark, 60, level)

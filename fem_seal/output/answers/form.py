@@ -51,7 +51,7 @@ def tolerance(result: SealSolution, display: Display) -> str:
 
 
 def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> Iterator[str]:
-    load = result.highest
+    load, moment = result.highest, result.case.load.moment
     at = load_name(load, result.loads, display)
     if load.leak is not None and load.leak_round is not None:
         as_calculated, as_round = (
@@ -65,9 +65,11 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
             for rates in (as_calculated, as_round)
         )
         state = display.state_of(volume_of(result.case))
-        yield from say_all(display, "form", "leak", load=at, rate=rate, round=of_round, state=state)
+        yield from say_all(
+            display, "form", "leak", load=at, rate=rate, round=of_round, state=state, moment=moment
+        )
     yield from say_all(display, "form", "worst", answers=answers, load=at)
-    if load.circumference is not None and load.circumference.form.felt_waves:
+    if load.circumference is not None and load.circumference.form.uneven:
         # only results with a form error need this module
         from fem_seal.answers.form import CLOSED_SHARE
 
@@ -185,7 +187,7 @@ def _around(result: SealSolution, display: Display) -> list[str]:
     Shown are the load with the highest fluid pressure, and that with the smallest line load, which the form error
     affects most.
     """
-    felt = [load for load in result.loads if load.around is not None and load.around.form.felt_waves]
+    felt = [load for load in result.loads if load.around is not None and load.around.form.uneven]
     if not felt:
         return []
     weakest = min(felt, key=lambda load: load.line_load)
@@ -199,7 +201,9 @@ def _of_load(load: CaseLoad, result: SealSolution, display: Display) -> list[str
     angles, width = least_loaded(around)
     turn = None if around.leak_rate is None else turn_that_leaks(around.leak_rate, _MOST)
     at, places = load_name(load, result.loads, display), {"angles": angles, "width": width, "turn": turn}
-    return say_all(display, "form", "around", load=at, around=around, named=_NAMED, share=_MOST, **places)
+    most = load.contact_force * load.contact.model.initial_contact_radius
+    words = {"load": at, "around": around, "named": _NAMED, "share": _MOST, "most": most}
+    return say_all(display, "form", "around", **words, **places, **result.case.labels)
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
@@ -210,7 +214,9 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     at = load_name(load, result.loads, display)
     details = [*uneven, *sentences]
     section = worded_section(display, "around", details, curve_table(result), waves_table(result), load=at)
-    return AnswerPage(first=[first] if first else (), why=uneven[:2], section=section, details=sentences)
+    # what a moment does stands first of what is uneven
+    said = [*(uneven[:1] if result.case.load.moment else ()), *filter(None, [first])]
+    return AnswerPage(first=said, why=uneven[:2], section=section, details=sentences)
 
 
 def least_loaded(around: Circumference) -> tuple[list[float], float]:

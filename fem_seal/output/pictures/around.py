@@ -42,7 +42,7 @@ def unrolled_picture(result: SealSolution) -> style.Picture | None:
     result : SealSolution
     """
     load = result.highest
-    if load.around is None or not load.around.form.felt_waves:
+    if load.around is None or not load.around.form.uneven:
         return None
     around, name = load.around, load_name(load, result.loads, result.display)
     step = math.ceil(len(around.angle) / _ANGLES)
@@ -104,14 +104,14 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
         figure,
         "line_load_around",
         "both",
-        "" if around.form.guided else "free",
+        "" if around.form.guided or around.tilt else "free",
         **result.case.labels,
     )
 
 
 def _form_error(display: Display, axes: Axes, around: Circumference, circle: FloatArray) -> None:
     """The change of the gap, drawn as a roundness chart."""
-    gap = around.gap_change
+    gap = around.moved_gap
     largest = float(np.abs(gap).max())
     unit = display.unit_for("length", largest)
     heights, base = gap / unit.size, 2.2 * largest / unit.size or 1.0
@@ -121,7 +121,8 @@ def _form_error(display: Display, axes: Axes, around: Circumference, circle: Flo
     axes.set_ylim(0.0, base + 1.25 * largest / unit.size)
     ticks = [-step, 0.0, step] if step else [0.0]
     axes.set_yticks([base + tick for tick in ticks], labels=[_signed(tick) for tick in ticks])
-    _round_label(axes, f"Form error: change of the gap  [{unit.name}]", own_ticks=True)
+    what = "Form error" if around.tilt is None else "Tilt and form error"
+    _round_label(axes, f"{what}: change of the gap  [{unit.name}]", own_ticks=True)
 
 
 def _signed(value: float) -> str:
@@ -246,7 +247,7 @@ def _in_others(load: CaseLoad) -> list[FloatArray]:
 def _choose_loads(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in distinct_loads(result.loads)]
-    uneven = [(load, load.around) for load in loads if load.around and load.around.form.felt_waves]
+    uneven = [(load, load.around) for load in loads if load.around and load.around.form.uneven]
     return [uneven[n] for n in style.few(len(uneven), _LINES)] if uneven else []
 
 

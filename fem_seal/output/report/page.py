@@ -219,7 +219,7 @@ def _draw_pictures(
 
 def _pictures_around(result: SealSolution) -> tuple[Picture | None, ...]:
     """Pictures of a seal that is not round; for a round one its section shows everything."""
-    if not any(load.circumference and load.circumference.form.felt_waves for load in result.loads):
+    if not any(load.circumference and load.circumference.form.uneven for load in result.loads):
         return ()
     from concurrent.futures import ThreadPoolExecutor
 

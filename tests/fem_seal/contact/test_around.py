@@ -10,11 +10,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from contact_models import STEEL, ball_on_cone
+from contact_models import STEEL, ball_on_cone, out_of_plane
 from places import EXAMPLES, REFERENCE
 from sample_results import run_loads
 from scipy.interpolate import CubicSpline
-from scipy.special import i0, k0
+from scipy.optimize import nnls
+from scipy.special import i0, i1, k0
 from shape_tables import tables
 
 import meshes
@@ -170,6 +171,61 @@ def test_a_free_closure_takes_the_first_harmonic_of_the_gap_and_none_of_the_load
     assert abs(np.fft.rfft(free[0])[1]) < 1e-7 * np.sum(free[0])
     guided = line_load_around(local, lambda n: -1e-12 * n, gap, 2e4, guided=True)[0]
     assert abs(np.fft.rfft(guided)[1]) > 1e-2 * np.sum(guided)
+
+
+def moment_of_parted_ring(half: float) -> float:
+    """M/(F r) of a rigid ring on an elastic foundation, f = k t (cos phi - cos half) where |phi| < half.
+
+    F = 2 r k t (sin half - half cos half), M = r^2 k t (half - sin half cos half); half a turn is M/(F r) = 1/2.
+    """
+    sine, cosine = math.sin(half), math.cos(half)
+    return (half - sine * cosine) / (2 * (sine - half * cosine))
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.49])
+def test_a_moment_on_a_ring_that_touches_all_around(ratio: float) -> None:
+    """f = F/(2 pi r) (1 + 2 M/(F r) cos phi), however the bodies answer to waves: the tilt takes what they do."""
+    f, approach = line_load_around(Elastic(1e-10), lambda n: -2e-11 * n, np.zeros(64), 2e4, first=ratio * 4e4)
+    np.testing.assert_allclose(f, 2e4 * (1 + 2 * ratio * np.cos(angles(64))), rtol=1e-7)
+    np.testing.assert_allclose(approach, 1e-10 * f, rtol=1e-7)
+
+
+@pytest.mark.parametrize("half", [0.6, 1.2, 2.0, 3.0])
+def test_a_moment_lifts_one_side_of_a_ring(half: float) -> None:
+    """The trapezoidal rule over kinks: 1e-4 at 512 angles."""
+    mean, phi = 2e4, angles(512)
+    first = 2 * mean * moment_of_parted_ring(half)
+    f, approach = line_load_around(Elastic(1e-10), lambda n: 0.0, np.zeros(512), mean, first=first)
+    shape = np.maximum(np.cos(phi) - math.cos(half), 0.0)
+    np.testing.assert_allclose(f, mean * shape / shape.mean(), atol=3e-4 * f.max())
+    assert np.all(approach[f == 0] <= 0)
+    assert (f @ np.cos(phi)) / 256 == pytest.approx(first, rel=1e-8)
+
+
+def test_a_moment_on_a_rigid_ring_over_roughness() -> None:
+    """u0 ln f is a tilt: f = f_N exp(k cos phi)/I0(k) with I1(k)/I0(k) = M/(F r); nothing ever lifts off."""
+    for k in (0.5, 3.0, 30.0):
+        first = 2 * 2e4 * i1(k) / i0(k)
+        f, _ = line_load_around(Rough(1e-6), lambda n: 0.0, np.zeros(256), 2e4, first=first)
+        np.testing.assert_allclose(f, 2e4 * np.exp(k * np.cos(angles(256))) / i0(k), rtol=2e-6)
+
+
+def test_a_moment_bends_an_elastic_ring_until_it_parts() -> None:
+    """Against the least energy of loads that only press, by another method (non-negative least squares)."""
+    number, c, soft = 96, 1e-10, 4e-10
+    waves = np.fft.fftfreq(number, 1 / number)
+    compliance = np.array([0.0 if abs(n) < 2 else soft * out_of_plane(int(abs(n))) for n in waves])
+    phi = angles(number)
+    f, _ = line_load_around(
+        Elastic(c), lambda n: soft * out_of_plane(n) if n > 1 else 0.0, np.zeros(number), 1.0, first=1.3
+    )
+    bends = np.fft.ifft(compliance[:, None] * np.fft.fft(np.eye(number), axis=0), axis=0).real
+    root = np.linalg.cholesky(c * np.eye(number) + bends).T
+    resultants = 1e4 * math.sqrt(c) * np.array([np.ones(number), np.cos(phi)])
+    given = 1e4 * math.sqrt(c) * number * np.array([1.0, 0.65])
+    expected, _ = nnls(np.vstack([root, resultants]), np.append(np.zeros(number), given))
+    assert 0.05 < np.mean(f == 0) < 0.6
+    np.testing.assert_allclose(f, expected, atol=1e-4 * f.max())
 
 
 @pytest.mark.parametrize("local", [Rough(1e-6, 1e-11), Elastic(4e-11)])
