@@ -10,7 +10,6 @@ from functools import cached_property, partial
 
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import SolvedSeal
-from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
@@ -194,7 +193,7 @@ def _variations(
                 lambda: condense_bodies(wider, build_contact(larger, mesh.sizing, mesh), model),
             )
     free = problem.supports.wall == "free"
-    other_problem = replace(problem, supports=Supports(wall="fixed" if free else "free"))
+    other_problem = replace(problem, supports=replace(problem.supports, wall="fixed" if free else "free"))
     yield (
         "holding its wall" if free else "leaving its wall free",
         lambda: condense_bodies(other_problem, mesh, model),

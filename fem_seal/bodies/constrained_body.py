@@ -227,16 +227,8 @@ def constrained_body(
             else:
                 # what the pipe carries from behind the bore
                 further[region] += remainder * balance
-        held_dofs = boundary_dofs(mesh, "closure_top", 1)[:1]
-        if solid:
-            held_dofs = np.append(boundary_dofs(mesh, "closure_axis", 0), held_dofs)
-    else:
-        held_dofs = boundary_dofs(mesh, "seat_bottom", 1)
-        if supports is not None and supports.wall == "fixed":
-            wall = boundary_dofs(mesh, "seat_wall", 0)
-            held_dofs = np.concatenate([held_dofs, wall])
-    movable = np.ones(balance.size, dtype=bool)
-    movable[held_dofs] = False
+    elif supports is not None and supports.wall == "fixed":
+        wall = boundary_dofs(mesh, "seat_wall", 0)
     # All of a closure can grow beyond what the seat grows, with which the closure's place and size are compared.
     free_strain = {"expansion": np.ones(len(quadratic_nodes(mesh)[0]))} if name == "closure" else {}
     if heat is not None:
@@ -249,7 +241,7 @@ def constrained_body(
         contact_x,
         normal,
         trace,
-        np.flatnonzero(movable),
+        free_dofs(mesh, name, supports),
         balance,
         further,
         wall,
@@ -257,6 +249,29 @@ def constrained_body(
         None if heat is None else heat.temperature,
         contact.label_of(name),
     )
+
+
+def free_dofs(mesh: MeshTri, name: str, supports: Supports | None) -> IntArray:
+    """Dofs of a body that are not held.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri
+    name : str
+        "closure" or "seat".
+    supports : Supports or None
+    """
+    boundaries = mesh.boundaries or {}
+    if name == "closure":
+        held = [boundary_dofs(mesh, "closure_top", 1)[:1]]
+        held_radially = {"closure_axis": "closure_axis" in boundaries}
+        held_radially["closure_top"] = supports is not None and supports.closure_base == "held"
+    else:
+        held = [boundary_dofs(mesh, "seat_bottom", 1)]
+        held_radially = {"seat_wall": supports is not None and supports.wall == "fixed"}
+        held_radially["seat_bottom"] = supports is not None and supports.base == "held"
+    held += [boundary_dofs(mesh, side, 0) for side, is_held in held_radially.items() if is_held]
+    return np.setdiff1d(np.arange(node_dofs(mesh).size), np.concatenate(held))
 
 
 def trace_matrix(

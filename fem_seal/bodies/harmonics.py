@@ -211,14 +211,17 @@ class _Supports:
         radial, axial, circumferential = dofs[:, radius <= elasticity.AXIS * radius.max()]
         sign = np.ones(dofs.size)
         fixed_dofs = [axial, circumferential]
+        held = np.setdiff1d(np.arange(fem.size), fem.free)
         if fem.name == "seat":
-            fixed_dofs.append(np.setdiff1d(np.arange(fem.size), fem.free))
+            fixed_dofs.append(held)
         if guided:
             stand = "closure_top" if fem.name == "closure" else "seat_bottom"
             on_stand = np.isin(dofs[0], elasticity.boundary_dofs(fem.mesh, stand, 0))
             fixed_dofs.append(dofs[:, on_stand].ravel())
         else:
-            fixed_dofs.append(radial)
+            # of the closure it is the axis and, where it is held, the top; the axial dof that is only held for the
+            # even load is free
+            fixed_dofs += [radial, np.intersect1d(held, dofs[0])]
         free = np.setdiff1d(np.arange(dofs.size), np.concatenate(fixed_dofs))
         number = np.full(dofs.size, -1)
         number[free] = np.arange(len(free))

@@ -8,12 +8,14 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Supports:
-    """How the seat is held; its bottom always is, along the axis.
+    """How the bodies are held; the bottom of the seat always is, along the axis.
 
     Parameters
     ----------
     wall : {"free", "fixed"}
         Whether the outer wall of the housing is held radially.
+    base, closure_base : {"free", "held"}
+        Whether the bottom of the seat, and the top of the closure, is held radially.
 
     Examples
     --------
@@ -23,3 +25,5 @@ class Supports:
     """
 
     wall: Literal["free", "fixed"] = "free"
+    base: Literal["free", "held"] = "free"
+    closure_base: Literal["free", "held"] = "free"

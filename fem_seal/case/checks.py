@@ -148,6 +148,9 @@ def _small_fit(case: CaseTables, name: str, motion: float) -> Iterator[Problem]:
 
 def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
     """What in [temperature] contradicts itself, or needs a number that no material has."""
+    for name, body in (("closure", case.closure), ("seat", case.lower)):
+        if body.base == "held":
+            yield problem("held_base_heated", key=f"{name}.base")
     bodies = [name for name in ("uniform", "closure", "seat") if getattr(heat, name) is not None]
     entries = [*bodies, *heat.faces]
     if bodies not in ([], ["uniform"], ["closure", "seat"]) or not entries or (bodies and heat.faces):
@@ -348,6 +351,20 @@ def _missing(case: CaseTables) -> str | None:
 
 def _load(case: CaseTables) -> Iterator[Problem]:
     load = case.load
+    if load.is_dry:
+        wet = {
+            "[fluid]": case.fluid is not None,
+            'load.closing = "penetration"': load.closing == "penetration",
+            "load.set_pressure": load.set_pressure is not None,
+            "load.chamber_pressure": load.chamber_pressure is not None,
+        }
+        if others := [name for name, is_given in wet.items() if is_given]:
+            given = "fluid_pressure" in load.model_fields_set
+            yield problem("dry", given=given, others=" and ".join(others))
+        elif not all(force > 0 for _, force in load.points):
+            yield problem("dry_without_force")
+    elif not all(load.fluid_pressure):
+        yield problem("dry_in_part")
     pressures, forces = len(load.fluid_pressure), load.applied_force
     if isinstance(forces, tuple) and len(forces) != pressures:
         yield problem("load_applied_force", forces=len(forces), pressures=pressures)

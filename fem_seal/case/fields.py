@@ -318,6 +318,8 @@ class Pressures(Several):
             raise ValueError(f'spacing, {show(spacing)}, must be "linear" or "log"')
         if start >= stop:
             raise ValueError(problem("falling_range", start=show(table["start"]), stop=show(table["stop"])))
+        if spacing == "log" and not start:
+            raise ValueError(f"start, {show(table['start'])}, out of range of a logarithmic spacing")
         if spacing == "linear":
             return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
         return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)

@@ -31,7 +31,7 @@ _KINDS: dict[str, Any] = {
     "recess": SmallLength,
 }
 # Keys of a body that are no dimensions of its shape.
-_OTHER_KEYS = {"shape", "material", "wall", "interference", "stop"}
+_OTHER_KEYS = {"shape", "material", "wall", "base", "interference", "stop"}
 
 
 class Body(Table):
@@ -57,6 +57,8 @@ class Body(Table):
 class Closure(Body):
     """A closure of any shape."""
 
+    base: Literal["free", "held"] = "free"
+
     def body(self) -> Shape:
         """The closure that is meshed."""
         return self.make_shape()
@@ -67,6 +69,7 @@ class HeldSeat(Body):
 
     material: MaterialField
     wall: Literal["free", "fixed"] = "free"
+    base: Literal["free", "held"] = "free"
     interference: Annotated[float, Quantity("length", "0 um", "10 mm")] | None = None
 
     def problems(self) -> Iterator[Problem]:
@@ -90,6 +93,7 @@ class Gasket(Body):
     """A gasket of any shape that is symmetric about its mid-plane, on which the lower end of its upper half rests."""
 
     wall: ClassVar[Literal["free"]] = "free"
+    base: ClassVar[Literal["free"]] = "free"
     interference: ClassVar[None] = None
     stop: Annotated[float, Quantity("length", "1 um", "10 m")] | None = None
 

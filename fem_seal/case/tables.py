@@ -54,6 +54,7 @@ if TYPE_CHECKING:
 
 SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
 FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa", exclusive=True)
+NO_OR_FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa")
 CHAMBER_PRESSURE = Chamber("pressure", "0 Pa", "10 GPa")
 EARLIER_FORCE = Quantity("force", "0 N", "1e9 N", exclusive=True)
 
@@ -78,7 +79,7 @@ class SideForce(Table):
 class Load(Table):
     """[load]: fluid pressures, one result each and in this order, and the force on the closure."""
 
-    fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)]
+    fluid_pressure: Annotated[tuple[float, ...], Pressures(NO_OR_FLUID_PRESSURE)] = (0.0,)
     applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = 0.0
     set_pressure: Annotated[float, FLUID_PRESSURE] | None = None
     closing: Literal["sealed-area", "penetration"] = "sealed-area"
@@ -109,6 +110,11 @@ class Load(Table):
         """The same with the force of a spring that holds the set pressure on a circle [m]."""
         assert self.set_pressure is not None
         return self.model_copy(update={"applied_force": contact_force(sealing_radius, self.set_pressure)})
+
+    @property
+    def is_dry(self) -> bool:
+        """Whether no load has a fluid pressure."""
+        return not any(self.fluid_pressure)
 
     @property
     def moment(self) -> float:

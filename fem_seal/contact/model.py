@@ -29,6 +29,7 @@ from fem_seal.bodies.constrained_body import (
     LoadName,
     condense_body,
     constrained_body,
+    free_dofs,
 )
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
@@ -342,10 +343,10 @@ def _same_line(model: ContactModel, seal_mesh: SealMesh, x: FloatArray, area_wei
 def _is_same_body(body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None) -> bool:
     """Whether a body of a model that was condensed before is that of a mesh, to the last digit."""
     mesh_before = body.fem.mesh
-    # supports hold the seat alone
-    to_hold = body.fem.name == "seat" and supports is not None and supports.wall == "fixed"
     is_same_mesh = np.array_equal(mesh.p, mesh_before.p) and np.array_equal(mesh.t, mesh_before.t)
-    return is_same_mesh and material == body.material and to_hold == bool(len(body.fem.wall))
+    if not is_same_mesh or material != body.material:
+        return False
+    return np.array_equal(free_dofs(mesh, body.fem.name, supports), body.fem.free)
 
 
 def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:

@@ -442,9 +442,12 @@ def load_words(load: AnyLoad, loads: Sequence[AnyLoad]) -> Words:
 
 def _values(load: AnyLoad, loads: Sequence[AnyLoad], number: str) -> Words:
     forces = {other.applied_force for other in loads if other.fluid_pressure == load.fluid_pressure}
-    force = " with {{ force | quantity('given force') }}" if len(forces) > 1 else ""
-    values = {"pressure": load.fluid_pressure, "force": load.applied_force}
-    return Words(f"{{{{ pressure | quantity('given fluid pressure') }}}}{force}{number}", values)
+    # a dry contact has nothing but its force
+    of_load = "{{ force | quantity('given force') }}"
+    if load.fluid_pressure > 0:
+        with_force = f" with {of_load}" if len(forces) > 1 else ""
+        of_load = f"{{{{ pressure | quantity('given fluid pressure') }}}}{with_force}"
+    return Words(of_load + number, {"pressure": load.fluid_pressure, "force": load.applied_force})
 
 
 def distinct_loads(loads: Sequence[LoadResult]) -> list[int]:

@@ -448,7 +448,7 @@ class SealProblem:
             surface=rough_contact(case),
             flow=flow_of(case),
             form=case.form_error,
-            supports=Supports(wall=case.lower.wall),
+            supports=Supports(case.lower.wall, case.lower.base, case.closure.base),
             at_rest=AtRest.of(case),
             contact_size=case.mesh.contact_size,
             origin=SurfaceOrigin.of(case),

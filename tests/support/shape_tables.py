@@ -67,7 +67,7 @@ SHAPES = [*shapes.CLOSURES, *shapes.SEATS]
 
 
 def dimensions_of(table: type[Body]) -> set[str]:
-    return set(table.model_fields) - {"shape", "material", "wall", "interference"}
+    return set(table.model_fields) - {"shape", "material", "wall", "base", "interference"}
 
 
 def tables(closure: str, seat: str, **entries: object) -> dict[str, object]:

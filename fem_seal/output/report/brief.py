@@ -70,7 +70,8 @@ def _contact_alone(result: SealSolution) -> str:
     missing, load = "roughness" if result.surface is None else "fluid", result.highest
     at = load_values(load, result.every_load, result.display)
     width, peak = (in_words(result.display, load, name) for name in ("fwhm_m", "peak_pressure_Pa"))
-    return say(result.display, "brief", "first_contact", load=at, width=width, peak=peak, missing=missing)
+    words = {"width": width, "peak": peak, "missing": missing, "dry": result.case.load.is_dry}
+    return say(result.display, "brief", "first_contact", load=at, **words)
 
 
 def lines_in_brief(result: SealSolution, pages: Sequence[AnswerPage]) -> list[str]:
@@ -217,7 +218,10 @@ _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
     ),
     "used": _use_in_words,
     "none": lambda result, load: say(
-        result.display, "brief", f"second_{'contact' if load.leak is None else 'none'}"
+        result.display,
+        "brief",
+        f"second_{'contact' if load.leak is None else 'none'}",
+        dry=result.case.load.is_dry,
     ),
     "ask": lambda result, load: "" if result.sensitivities else say(result.display, "brief", "second_ask"),
 }

@@ -349,8 +349,8 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("fluid.viscosity", None, "is missing; add viscosity"),
         ("load.fluid_pressure", [], "1 to 1000"),
         ("load.fluid_pressure", ["1 bar", "2 mm"], 'entry 2, "2 mm"'),
-        ("load.fluid_pressure", "-1 bar", "above 0 Pa and below 10 GPa"),
-        ("load.fluid_pressure", "20 GPa", "above 0 Pa and below 10 GPa"),
+        ("load.fluid_pressure", "-1 bar", "from 0 Pa to 10 GPa"),
+        ("load.fluid_pressure", "20 GPa", "from 0 Pa to 10 GPa"),
         ("load.fluid_pressure", {"start": "1 bar", "stop": "2 bar"}, "num is missing"),
         ("load.fluid_pressure", {"start": "1 bar", "stop": "2 bar", "num": 2.5}, "whole number"),
         (
