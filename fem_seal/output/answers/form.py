@@ -215,7 +215,7 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     details = [*uneven, *sentences]
     section = worded_section(display, "around", details, curve_table(result), waves_table(result), load=at)
     # what a moment does stands first of what is uneven
-    said = [*(uneven[:1] if result.case.load.moment else ()), *filter(None, [first])]
+    said = [*(uneven[:2] if result.case.load.moment else ()), *filter(None, [first])]
     return AnswerPage(first=said, why=uneven[:2], section=section, details=sentences)
 
 
