@@ -19,6 +19,7 @@ from .flow.conductivity import GasConductivity as GasConductivity
 from .flow.conductivity import GasConductivityTable as GasConductivityTable
 from .flow.conductivity import LoadMemory as LoadMemory
 from .flow.conductivity import RemembersLoad as RemembersLoad
+from .flow.contact_surface import ContactSurface as ContactSurface
 from .flow.fluid_in_gap import CoupledLeakResult as CoupledLeakResult
 from .flow.fluid_in_gap import coupled_leak_flow as coupled_leak_flow
 from .flow.groove_section import EllipticGroove as EllipticGroove
@@ -57,6 +58,9 @@ from .flow.short_medium import ShortMedium as ShortMedium
 from .flow.short_medium import in_contact as in_contact
 from .flow.short_medium import short_medium as short_medium
 from .flow.short_medium import short_threshold as short_threshold
+from .flow.surface_flow import SurfaceFlow as SurfaceFlow
+from .flow.surface_flow import gas_surface_flow as gas_surface_flow
+from .flow.surface_flow import surface_flow as surface_flow
 from .flow.turned_contact import TurnedContact as TurnedContact
 from .fluids.contamination import Concentration as Concentration
 from .fluids.contamination import ParticleCounts as ParticleCounts
