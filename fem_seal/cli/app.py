@@ -485,9 +485,8 @@ def _create_folder(folder: Path) -> Path:
 def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
     from fem_seal.seal.problem import problems_of
-    from fem_seal.validity.checks import hardness_cautions
     from fem_seal.validity.fluid import film_cautions
-    from fem_seal.validity.materials import material_cautions
+    from fem_seal.validity.materials import hardness_cautions, material_cautions
 
     remarks: list[object] = []
     if case.roughness is None:

@@ -31,7 +31,7 @@ from fem_seal.seal.problem import SealProblem
 from fem_seal.units import DIGITS, format_at_limit
 from fem_seal.validity.fluid import film_cautions, fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
-from fem_seal.validity.materials import material_cautions
+from fem_seal.validity.materials import hardness_cautions, material_cautions
 from fem_seal.validity.turned import turned_cautions
 from fem_seal.wording import Quantity, Words
 from leak import ConductivityTable, RoughContact, TurnedContact
@@ -84,8 +84,6 @@ _LESS_OF_LONG, _MORE_OF_LONG = 0.25, 1.5
 FLUID_OPENS = 0.1
 # ... and from which on a leak rate without this effect is meaningless.
 _FLUID_LIFTS = 0.5
-# Plastic strain of metal under an indent (D. Tabor), and by what factor a hardness may differ from that of its curve.
-_INDENT, _UNLIKE = 0.08, 2.0
 # Plastic strain up to which small-strain theory holds.
 _LARGE_STRAIN = 0.1
 # Separation of the surfaces over the radius of curvature of their faces, averaged over the contact pressure: above the
@@ -163,31 +161,6 @@ def load_cautions(
         yield from form_cautions(problem.form, problem, loads)
     if problem.surface is not None:
         yield from _interface_cautions(problem, problem.surface, loads, sealing)
-
-
-def hardness_cautions(problem: SealProblem) -> Iterator[Finding]:
-    """Questions about a hardness, by which asperities yield, that does not fit to the curve by which its body does.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    """
-    if problem.surface is None or problem.surface.hardness is None:
-        return
-    for label, material in problem.labelled_materials.items():
-        hardness, curve = material.hardness, material.hardening
-        if hardness is None or hardness != problem.hardness or curve is None:
-            continue
-        of_curve = HARDNESS_OVER_YIELD_STRESS * float(curve.flow_stress(np.array(_INDENT)))
-        if not 1.0 / _UNLIKE <= hardness / of_curve <= _UNLIKE:
-            finding = caution(
-                "hardness_of_curve",
-                name=label,
-                hardness=Quantity(hardness, ".3g MPa"),
-                of_curve=Quantity(of_curve, ".3g MPa"),
-                harder=hardness > of_curve,
-            )
-            yield replace(finding, level=Level.VALID)
 
 
 def _temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:

@@ -7,7 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from fem_seal.materials import ROOM_TEMPERATURE, Material, in_degrees
+import numpy as np
+
+from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, ROOM_TEMPERATURE, Material, in_degrees
 from fem_seal.seal.findings import Finding, Level, caution
 from fem_seal.seal.problem import SealProblem
 from fem_seal.wording import Quantity
@@ -15,6 +17,8 @@ from fem_seal.wording import Quantity
 # Distance of a temperature from the known range of a number above which it is reported, and above which the results
 # are doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.
 NEAR, FAR = 25.0, 100.0
+# Plastic strain of metal under an indent (D. Tabor), and by what factor a hardness may differ from that of its curve.
+_INDENT, _UNLIKE = 0.08, 2.0
 # Key of a material -> its name, the unit of its table, and the factor to that unit.
 _WORDS = {
     "youngs_modulus": ("Young's modulus", " GPa", 1e-9),
@@ -132,3 +136,28 @@ def _plain_caution(
         example=_table(keys[0], ROOM_TEMPERATURE, temperature, value),
     )
     return replace(finding, level=Level.VALID)
+
+
+def hardness_cautions(problem: SealProblem) -> Iterator[Finding]:
+    """Questions about a hardness, by which asperities yield, that does not fit to the curve by which its body does.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    if problem.surface is None or problem.surface.hardness is None:
+        return
+    for label, material in problem.labelled_materials.items():
+        hardness, curve = material.hardness, material.hardening
+        if hardness is None or hardness != problem.hardness or curve is None:
+            continue
+        of_curve = HARDNESS_OVER_YIELD_STRESS * float(curve.flow_stress(np.array(_INDENT)))
+        if not 1.0 / _UNLIKE <= hardness / of_curve <= _UNLIKE:
+            finding = caution(
+                "hardness_of_curve",
+                name=label,
+                hardness=Quantity(hardness, ".3g MPa"),
+                of_curve=Quantity(of_curve, ".3g MPa"),
+                harder=hardness > of_curve,
+            )
+            yield replace(finding, level=Level.VALID)

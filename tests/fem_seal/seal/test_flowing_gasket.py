@@ -11,7 +11,7 @@ import fem_seal
 from fem_seal.output.answer_outputs import pages_of
 from fem_seal.output.pictures.surface import separation_picture, surface_picture
 from fem_seal.seal.problem import SealProblem
-from fem_seal.validity.checks import hardness_cautions
+from fem_seal.validity.materials import hardness_cautions
 
 OUTLINE = [(25, 0), (30, 0), (30, 3), (25, 3), (25, 0)]
 ALUMINIUM = {

@@ -51,7 +51,7 @@ def test_a_variant_of_a_problem_leaks_as_a_case_that_asks_for_it():
     problem = result.problem
     flow = replace(problem.flow, fluid_in_gap="local")
     (load,) = result.loads
-    table = flow.table_around(problem.surface, log_peaks(result.contact))
+    table = flow.table_around(problem.surface, log_peaks(result.contact, problem.surface))
     found = flow.leak_of(table, problem.surface, load.contact.profile, load.fluid_pressure).leak_rate
     (expected,) = run_loads(result.case.replace(changed)).loads
     assert found == pytest.approx(expected.leak.leak_rate, rel=1e-9)
