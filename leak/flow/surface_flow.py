@@ -111,7 +111,8 @@ def surface_flow(
     ----------
     surface : ContactSurface
     pressure : array_like
-        Nominal contact pressure at its points, zero where nothing touches, shape (n,) [Pa].
+        Nominal contact pressure at its points, zero where nothing touches, shape (n,) [Pa]. After a larger load that of
+        first loading which lets as much through, see `ConductivityTable.first_loading`.
     conductivity : callable
         sigma_eff(p), see `leak.leak_flow`; with `lay` that across it. Between the points the pressure may be higher
         than at any of them: a table must reach further, as for a profile.
@@ -121,7 +122,7 @@ def surface_flow(
         Where the fluid stands, see `ContactSurface.sides`.
     gap : array_like, optional
         Between the faces at the points, counts where nothing touches, shape (n,) [m]. None: what does not touch is
-        open and resists nothing.
+        open and resists nothing. Rough faces are not closer than with the least pressure of the map.
     viscosity : float, optional
         At atmospheric pressure, with `gap` [Pa s].
     along : callable, optional
@@ -163,9 +164,7 @@ def surface_flow(
     liquid = LiquidPermeant.of(conductivity, pressure_drop, pressure_law, eta)
     lengthwise = None if along is None else replace(liquid, conductivity=by_log_pressure(along))
     sides = surface.sides(high, low, pressure_side)
-    return flow_over(
-        surface, pressure, liquid, sides, gap=gap, along=lengthwise, lay=lay, tolerance=tolerance
-    )
+    return flow_over(surface, pressure, liquid, sides, gap, lengthwise, lay, tolerance)
 
 
 def gas_surface_flow(
@@ -222,16 +221,12 @@ def gas_surface_flow(
     '1.000'
     """
     ps = _checked_field(surface, "pressure", pressure, "Pa")
-    tables = [
-        None
-        if face is None
-        else gas_table(face, ps[ps > 0.0] if (ps > 0.0).any() else np.ones(1), None, "bruggeman")
-        for face in (conductivity, along)
-    ]
+    faces = [conductivity] if along is None else [conductivity, along]
+    tables = [gas_table(face, np.maximum(ps, 1.0), None, "bruggeman") for face in faces]
     permeant = GasPermeant.of(tables[0], gas, inlet_pressure, outlet_pressure)
-    lengthwise = None if along is None else replace(permeant, conductivity=tables[1])
+    lengthwise = None if along is None else replace(permeant, conductivity=tables[-1])
     sides = surface.sides(high, low, pressure_side)
-    return flow_over(surface, ps, permeant, sides, gap=gap, along=lengthwise, lay=lay, tolerance=tolerance)
+    return flow_over(surface, ps, permeant, sides, gap, lengthwise, lay, tolerance)
 
 
 # -------------------------------------------------------------------- of any fluid
@@ -242,7 +237,6 @@ def flow_over(
     pressure: ArrayLike,
     permeant: Permeant,
     sides: tuple[BoolArray, BoolArray],
-    *,
     gap: ArrayLike | None = None,
     along: Permeant | None = None,
     lay: ArrayLike | None = None,
@@ -260,9 +254,9 @@ def flow_over(
         See `ContactSurface.sides`.
     """
     positive(ProfileError, "tolerance", tolerance, "-")
-    ps, directions = _checked_field(surface, "pressure", pressure, "Pa"), _checked_lay(surface, lay, along)
-    gaps = None if gap is None else _checked_field(surface, "gap", gap, "m")
-    contact = _Contact(surface, ps, gaps, permeant, along, directions)
+    ps = _checked_field(surface, "pressure", pressure, "Pa")
+    gaps = None if gap is None else _checked_field(surface, "gap", gap, "m", ps == 0.0)
+    contact = _Contact(surface, ps, gaps, permeant, along, _checked_lay(surface, lay, along))
     n, t = len(surface.points), len(surface.triangles)
     mesh = _Mesh(contact, surface, *sides, np.arange(t), np.broadcast_to(np.eye(3), (t, 3, 3)))
     while solved := mesh.solve(tolerance):
@@ -277,29 +271,30 @@ def flow_over(
     fluid_pressure[known] = permeant.potential.pressure(low + (high - low) * share[:n][known])
     peak = int(np.argmax(np.where(known, ps, -1.0)))
     if solved is None:
-        sealed = permeant.result(0.0, fluid_pressure, peak, 0.0)
-        return SurfaceFlow(sealed, 0.0, np.zeros((t, 3)), math.nan, n)
+        return SurfaceFlow(
+            permeant.result(0.0, fluid_pressure, peak, 0.0), 0.0, np.zeros((t, 3)), math.nan, n
+        )
     drive = (high - low) * permeant.per_potential
     at_peak = np.exp(contact.log_sigma(np.log(np.maximum(ps[[peak]], 1e-300)), None))
-    result = permeant.result(
-        drive * solved.conductance, fluid_pressure, peak, float(gap_of(permeant, at_peak)[0, 0])
-    )
+    narrow = float(gap_of(permeant, at_peak)[0, 0])
+    result = permeant.result(drive * solved.conductance, fluid_pressure, peak, narrow)
     moved = [np.bincount(mesh.parent, part, t) for part in (solved.flow * mesh.surface.areas[:, None]).T]
     # what the flow loses in triangles whose sigma falls by its doubt, and what its resistance loses if it rises
     doubt = -np.expm1(-contact.doubt)[mesh.parent]
     lost = max(float(part @ doubt / part.sum()) for part in solved.bounds[:2])
     error = (1.0 + solved.error) / (1.0 - lost) - 1.0
-    return SurfaceFlow(
-        result, error, drive * np.transpose(moved / surface.areas), solved.worst_tenth_share, size
-    )
+    flux = drive * np.transpose(moved / surface.areas)
+    return SurfaceFlow(result, error, flux, solved.worst_tenth_share, size)
 
 
-def _checked_field(surface: ContactSurface, name: str, values: ArrayLike, unit: str) -> FloatArray:
+def _checked_field(
+    surface: ContactSurface, name: str, values: ArrayLike, unit: str, counts: BoolArray | None = None
+) -> FloatArray:
     (field,) = as_arrays(ProfileError, f"{name} must be numbers", values)
     n = len(surface.points)
     if field.shape != (n,):
         raise ProfileError(f"{name} has shape {field.shape}: must be ({n},) like the points [{unit}]")
-    used = mask_of(surface.triangles, n)
+    used = mask_of(surface.triangles, n) & (True if counts is None else counts)
     good = (field >= 0.0) & (field < np.inf) | ~used
     check_each(ProfileError, name, field, good, f"must be a finite number that is not negative [{unit}]")
     return np.where(used, field, 0.0)
@@ -343,10 +338,7 @@ class _Contact:
         squares = s.lengths[s.edges.of_triangle[whole]] ** 2
         weights = (s.areas[whole] / squares.prod(axis=1))[:, None] * squares
         steep = np.einsum("tcx,tc->xt", s.slopes[whole], log_p[corners])
-        sums = [
-            np.bincount(corners.ravel(), (weights * part[:, None]).ravel(), n)
-            for part in (np.ones(len(corners)), *steep)
-        ]
+        sums = [_sums(corners, weights * part[:, None], n) for part in (np.ones(len(corners)), *steep)]
         slope = np.stack(sums[1:], axis=1) / np.maximum(sums[0], 1e-300)[:, None]
         i, j = s.edges.ends.T
         way, rise = s.points[j] - s.points[i], log_p[j] - log_p[i]
@@ -384,6 +376,10 @@ class _Contact:
                 values[touches] = np.log(permeant.sigma(np.maximum(log_p[touches], SMALLEST_LOG_PRESSURE)))
             if gap is not None:
                 found[:, ~touches] = 3.0 * np.log(gap[~touches]) - math.log(12.0 * self.permeant.viscosity)
+                if (pressed := self.pressure[self.pressure > 0.0]).size:
+                    # rough faces without pressure are not closer than with the least one
+                    least = self.log_sigma(np.log(pressed.min(keepdims=True)), None)
+                    found[:, ~touches] = np.maximum(found[:, ~touches], least)
         return found
 
     @property
@@ -429,13 +425,9 @@ class _Mesh:
         order = np.argsort(-excess)
         worst = order[: 1 + int(np.searchsorted(np.cumsum(excess[order]), _WORST_SHARE * excess.sum()))]
         surface, halved, parent, weights = self.surface.refined(worst)
-        sides = [
-            np.concatenate([side, np.isin(halved, self.surface.open_edges(side))])
-            for side in (self.high, self.low)
-        ]
-        return _Mesh(
-            self.contact, surface, sides[0], sides[1], self.parent[parent], weights @ self.weights[parent]
-        )
+        new = [np.isin(halved, self.surface.open_edges(side)) for side in (self.high, self.low)]
+        high, low = np.append(self.high, new[0]), np.append(self.low, new[1])
+        return _Mesh(self.contact, surface, high, low, self.parent[parent], weights @ self.weights[parent])
 
     def _at(self, weights: FloatArray, places: IntArray) -> tuple[FloatArray, FloatArray | None]:
         """ln p and gap at numbered places of the triangles, shape (t, 3), given by weights of the parent's corners."""
@@ -473,7 +465,7 @@ class _Mesh:
         def leads(least: float) -> bool:
             return bool(np.logical_and(*self._reached(least)).any())
 
-        if not leads(-np.inf):
+        if not (self._pieces[1].any() and leads(-np.inf)):
             return -math.inf
         values = self._log_sigma[np.isfinite(self._log_sigma)]
         if not values.size or leads(float(values.max())):
@@ -486,7 +478,7 @@ class _Mesh:
 
     def solve(self, tolerance: float) -> _Solution | None:
         """The flow; None where the contact is sealed."""
-        scale = self._tightest() if self._pieces[1].any() else -math.inf
+        scale = self._tightest()
         if scale == -math.inf:
             return None
         share, triangles, permeant = self._potential(scale)
@@ -506,7 +498,7 @@ class _Mesh:
             max(bounds.up / conductance, conductance / bounds.low) - 1.0,
             bounds,
             np.where(still == 0.5, share, still),
-            -flow * np.sign(np.vecdot(flow, triangles.slopes(share)))[:, None],
+            -flow * np.sign(np.vecdot(flow, triangles.slopes(share[self.surface.triangles])))[:, None],
             _worst_tenth(self.surface, share, steps),
             permeant,
         )
@@ -551,23 +543,16 @@ class _Mesh:
         # between faces that do not touch as in a slit
         touches = np.isfinite(self._data[0])
         gains = [
-            [
-                each.gain(log_p, gap_of(way, np.exp(sigma + scale)))
-                for each in (way, replace(way, conductivity=None))
-            ]
-            for way, sigma in zip(ways, log_sigma, strict=True)
+            [each.gain(log_p, gap) for each in (way, replace(way, conductivity=None))]
+            for way, gap in zip(ways, gap_of(ways[0], np.exp(log_sigma + scale)), strict=True)
         ]
         low, high = potential_ends(ways[0], "outer")
         roots, changes, last = np.empty((0, share.size)), np.empty((0, share.size)), math.inf
         for _ in range(MOST_STEPS):
             q = ways[0].flow_pressure(low + (high - low) * share[self.surface.edges.ends].mean(axis=1))
             with np.errstate(divide="ignore"):
-                gained = np.clip(
-                    log_sigma + np.log([np.where(touches, rough(q), slit(q)) for rough, slit in gains]),
-                    -2.0 * _RANGE,
-                    2.0 * _RANGE,
-                )
-            triangles = self._triangles(gained)
+                gain = np.log([np.where(touches, rough(q), slit(q)) for rough, slit in gains])
+            triangles = self._triangles(np.clip(log_sigma + gain, -2.0 * _RANGE, 2.0 * _RANGE))
             links = triangles.links(False)
             new = self._share(links, share, near)
             total = float(links @ self._psi.steps(new) ** 2)
@@ -578,9 +563,7 @@ class _Mesh:
             changes = np.concatenate([changes[-_HISTORY:], [root - np.sqrt(low + (high - low) * share)]])
             mixed = (mixing_weights(changes) @ roots) ** 2
             share = np.clip((mixed - low) / (high - low), 0.0, 1.0)
-        raise ConductivityError(
-            "conductivity of the gas: no flow was found; it must fall no faster than 1/p_f"
-        )
+        raise ConductivityError("conductivity of the gas: no flow was found; it may fall like 1/p_f at most")
 
     @cached_property
     def _pieces(self) -> tuple[IntArray, BoolArray]:
@@ -615,14 +598,14 @@ class _Mesh:
         is_wall[self.surface.open_edges(self.high)] = is_wall[self.surface.open_edges(self.low)] = False
         loop, walls = _groups(ends[on_boundary], n), np.unique(ends[is_wall])
         place = np.arange(n)
-        place[walls] = walls[np.unique(loop[walls], return_index=True)[1]][
-            np.unique(loop[walls], return_inverse=True)[1]
-        ]
+        first, same = np.unique(loop[walls], return_index=True, return_inverse=True)[1:]
+        place[walls] = walls[first][same]
         unknown = mask_of(place, n) & flows
         # one value of each piece is free
         unknown[place[np.unique(piece, return_index=True)[1]]] = False
-        network = _Network(ends, _numbered(unknown)[place])
-        return network, *_cuts(self.surface, self.high, self.low, np.where(flows, piece, -1))
+        return _Network(ends, _numbered(unknown)[place]), *_cuts(
+            self.surface, self.high, self.low, np.where(flows, piece, -1)
+        )
 
     def _stream_steps(self, links: FloatArray) -> FloatArray:
         """Steps of the stream function along the edges at a flow of one, with the least dissipation."""
@@ -637,30 +620,15 @@ class _Mesh:
 
 
 class _Bounds(NamedTuple):
-    """Dissipation of any psi at a drop of one, and of any flow of one, in each triangle."""
+    """Of the conductance, from the dissipation of a psi at a drop of one and of a flow of one in each triangle."""
 
     up_parts: FloatArray
     low_parts: FloatArray
-    cross: FloatArray
-    """Of the slope of one and the other."""
-
-    @property
-    def up(self) -> float:
-        return float(self.up_parts.sum())
-
-    @property
-    def low(self) -> float:
-        return 1.0 / float(self.low_parts.sum())
-
-    @property
-    def error(self) -> float:
-        return math.sqrt(self.up / self.low) - 1.0
-
-    @property
-    def excess(self) -> FloatArray:
-        """Where both differ: their sum is twice the error."""
-        scale = math.sqrt(self.up * self.low)
-        return np.maximum(self.up_parts / scale + self.low_parts * scale - 2.0 * self.cross, 0.0)
+    up: float
+    low: float
+    error: float
+    excess: FloatArray
+    """Where both differ: their sum is twice the error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -702,19 +670,18 @@ class _Triangles:
         low, high = self.corners.min(axis=1), self.corners.max(axis=1)
         half = np.maximum(0.5 * (high - low), 1e-6)
         middle, spread = np.exp(0.5 * (high + low)), np.sinh(half) / half
-        along, across = (
-            (1.0 / (middle * spread), spread / middle) if stream else (middle / spread, middle * spread)
-        )
+        along, across = middle / spread, middle * spread
         if bound:
-            along = across = self._means[stream]
+            along = across = self._means[0] if not stream else 1.0 / self._means[1]
+        if stream:
+            along, across = 1.0 / across, 1.0 / along
         whole, steep = self._weights
         values = across[:, None] * whole + (along - across)[:, None] * steep
         return _sums(self.surface.edges.of_triangle, values, len(self.surface.edges.ends))
 
     def slopes(self, values: FloatArray) -> FloatArray:
-        """Gradients of values at the points, or at the corners of the triangles."""
-        corners = values if values.ndim == 2 else values[self.surface.triangles]
-        return np.asarray(np.einsum("tcx,tc->tx", self.surface.slopes, corners))
+        """Gradients of values at the corners of the triangles."""
+        return np.asarray(np.einsum("tcx,tc->tx", self.surface.slopes, values))
 
     def flow(self, steps: FloatArray) -> FloatArray:
         """Of a stream function with such steps along the edges, in each triangle, of either sign."""
@@ -723,7 +690,7 @@ class _Triangles:
 
     def bounds(self, share: FloatArray, steps: FloatArray) -> _Bounds:
         """Of the conductance, from any psi at a drop of one and any flow of one."""
-        drops, flow, areas = self.slopes(share), self.flow(steps), self.surface.areas
+        drops, flow, areas = self.slopes(share[self.surface.triangles]), self.flow(steps), self.surface.areas
         squares = [np.vecdot(vectors, vectors) for vectors in (drops, flow)]
         if self.lay is not None:
             ratio = self.lay[1]
@@ -732,8 +699,11 @@ class _Triangles:
                 along[0] * ratio + (squares[0] - along[0]) / ratio,
                 along[1] / ratio + (squares[1] - along[1]) * ratio,
             ]
-        up, low = (square * areas * mean for square, mean in zip(squares, self._means, strict=True))
-        return _Bounds(up, low, areas * np.abs(np.vecdot(drops, flow)))
+        parts = [square * areas * mean for square, mean in zip(squares, self._means, strict=True)]
+        up, low = float(parts[0].sum()), 1.0 / float(parts[1].sum())
+        scale, cross = math.sqrt(up * low), areas * np.abs(np.vecdot(drops, flow))
+        excess = np.maximum(parts[0] / scale + parts[1] * scale - 2.0 * cross, 0.0)
+        return _Bounds(parts[0], parts[1], up, low, math.sqrt(up / low) - 1.0, excess)
 
 
 def _mean_exp(values: FloatArray) -> FloatArray:
@@ -756,9 +726,7 @@ def _corners_of_steps(surface: ContactSurface, steps: FloatArray) -> FloatArray:
     """Values at the corners of each triangle from steps along the edges, the first one zero."""
     first, *others = surface.triangles.T
     sides = surface.edges.of_triangle[:, [2, 1]].T
-    values = [
-        np.where(first < other, 1.0, -1.0) * steps[side] for other, side in zip(others, sides, strict=True)
-    ]
+    values = (steps[side] * np.sign(other - first) for other, side in zip(others, sides, strict=True))
     return np.stack([np.zeros(len(first)), *values], axis=1)
 
 
@@ -851,14 +819,14 @@ class _Network:
         links = np.tile(links[moves], 2)
         i, j, links = i[i >= 0], j[i >= 0], links[i >= 0]
         diagonal = np.bincount(i, links)
+        if not diagonal.size:
+            return lambda into: into
         scale = 1.0 / np.sqrt(diagonal)
         inner, size = j >= 0, diagonal.size
         rows, columns = (np.concatenate([np.arange(size), values[inner]]) for values in (i, j))
         values = np.concatenate([np.ones(size), (-links * scale[i] * scale[j])[inner]])
         matrix = coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
-        factors = splu(
-            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        factors = splu(matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         return lambda into: scale * factors.solve(scale * into)
 
 
@@ -894,8 +862,11 @@ def _cuts(
         before = breadth_first_order(graph, triangle_of[first], directed=False)[1]
         for last, is_low in others:
             way = [int(triangle_of[last])]
-            while way[0] != triangle_of[first]:
+            while way[0] >= 0 and way[0] != triangle_of[first]:
                 way.insert(0, int(before[way[0]]))
+            if way[0] < 0:
+                # nothing gets through where pieces touch at a point only
+                continue
             crossed = [first, *(int(np.intersect1d(*of_triangle[[a, b]])[0]) for a, b in pairwise(way)), last]
             steps, (left, right) = np.zeros(len(ends)), ends[first].tolist()
             for edge in crossed:
@@ -905,4 +876,8 @@ def _cuts(
                 steps[edge] = 1.0 if left == points[1] else -1.0
             cuts.append(steps)
             to_low.append(float(is_low))
+    if not any(to_low):
+        raise ProfileError(
+            "triangles: the piece with the high and that with the low side touch at points only"
+        )
     return np.array(cuts), np.array(to_low)

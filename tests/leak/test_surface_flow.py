@@ -295,6 +295,25 @@ def test_gap_where_nothing_touches():
     assert gas.result.throughput == pytest.approx(1e-18 / (12 * helium.viscosity) * carried, rel=1e-3)
 
 
+def test_a_gap_of_nothing_beside_the_contact_seals_nothing():
+    surface, x, _ = strip(41, 41)
+    p = np.where(abs(x - 0.5) < 0.3, 1e7, 0)
+    gap = np.where(p > 0, np.nan, 0.0)
+    found = across(surface, x, p, lambda p: S * 1e6 / p, gap=gap, viscosity=1e-3)
+    # all of it at 1e7 Pa, but for the edge between both
+    assert found.leak_rate == pytest.approx(0.1 * S * DROP, rel=0.05)
+    assert found.error < 0.1
+
+
+def test_pieces_that_touch_at_a_point():
+    surface, x, _ = strip(5, 5)
+    middle = surface.points[surface.triangles].mean(axis=1)
+    blocks = ((middle[:, 0] < 0.5) & (middle[:, 1] < 0.5)) | ((middle[:, 0] > 0.5) & (middle[:, 1] > 0.5))
+    two = leak.ContactSurface(surface.points, surface.triangles[blocks])
+    with pytest.raises(leak.ProfileError, match="touch at points only"):
+        across(two, x, 1e6 + 0 * x, even)
+
+
 def test_numbering_direction_and_size_do_not_matter():
     surface, x, phi = ring(12, 40)
     p = 1e6 * (2 + np.cos(phi) + x)
