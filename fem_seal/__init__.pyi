@@ -33,6 +33,7 @@ from .result import blow_off_pressures as blow_off_pressures
 from .result import calibrate as calibrate
 from .result import direct as direct
 from .result import direct_seal as direct_seal
+from .result import leak_of_pressure_map as leak_of_pressure_map
 from .result import run as run
 from .studies.results import StudyResult as StudyResult
 from .studies.study import Study as Study

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from fem_seal.answers import opening, target
-from fem_seal.answers.chain import solve
+from fem_seal.answers.chain import solve, solve_map
 from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
@@ -130,6 +131,23 @@ class SealResult(SealSolution):
 
         return leak_table(self, all_columns=True)
 
+    @property
+    def mesh(self) -> Any:
+        """Of a map of contact pressure: triangles with what presses and flows, for pyvista; of several loads blocks.
+
+        Names of the arrays end in the unit, such as ``contact_pressure_Pa``.
+        """
+        import pyvista
+
+        from fem_seal.output.pressure_map import arrays_of
+
+        blocks = []
+        for points, triangles, of_points, of_cells in map(arrays_of, self.loads):
+            blocks.append(pyvista.PolyData.from_regular_faces(points, triangles))
+            blocks[-1].point_data.update(of_points)
+            blocks[-1].cell_data.update(of_cells)
+        return blocks[0] if len(blocks) == 1 else pyvista.MultiBlock(blocks)
+
     def write(self, folder: str | os.PathLike[str], *, full: bool = False, all_columns: bool = False) -> Path:
         """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
 
@@ -200,8 +218,9 @@ class SealResult(SealSolution):
         what : str or matplotlib.figure.Figure, optional
             "leak": leak rate over the loads, with its interval. "contact": pressure profiles. "gap": mean gap between
             the surfaces. "around": leak, or else line load, around the axis of a seal that is not round. "surface":
-            power spectrum of the roughness. "sensitivities": what changes the leak rate most. Without a name "leak"
-            and "contact" side by side, in a figure if one is given.
+            power spectrum of the roughness. "sensitivities": what changes the leak rate most. "map": where a given map
+            of contact pressure leaks. Without a name "leak" and "contact" or "map" side by side, in a figure if one is
+            given.
         ax : matplotlib.axes.Axes, optional
             To draw the named picture into; those of a new figure unless given.
         figure : matplotlib.figure.Figure, optional
@@ -265,13 +284,74 @@ class SealResult(SealSolution):
         >>> result.view()  # doctest: +SKIP
         >>> result.view("seal.png", load=1)  # doctest: +SKIP
         """
-        from tempfile import TemporaryDirectory
-
         from fem_seal.output.pictures.three_d import view, write_for_view
 
         with TemporaryDirectory(prefix="fem-seal-") as folder:
             write_for_view(self, Path(folder))
             view(Path(folder), None if png is None else Path(png), load, self.case.display)
+
+
+def leak_of_pressure_map(
+    source: Any,
+    case: CaseSource,
+    progress: Callable[[str], None] | None = None,
+    *,
+    field: str | None = None,
+    gap_field: str | None = None,
+    columns: str | None = None,
+    pressure_unit: str | None = None,
+    length_unit: str | None = None,
+    axis: str | None = None,
+) -> SealResult:
+    """Leak rate of a map of contact pressure from any finite-element program, over a face of any shape.
+
+    Parameters
+    ----------
+    source : path or mesh
+        A mesh with the contact pressure on its points or cells (VTK, gmsh, MED, XDMF, Exodus), a table of points, or
+        a mesh of pyvista or meshio.
+    case : Case, path or mapping
+        With materials, roughness, fluid and load; closure and seat need no shapes.
+    progress : callable, optional
+        Called with a status message before each step.
+    field, gap_field : str, optional
+        Names of the contact pressure and of the gap; found unless given.
+    columns : str, optional
+        Of a table: names and units of its columns.
+    pressure_unit, length_unit : str, optional
+        Where the file has none.
+    axis : {"x", "y", "z"}, optional
+        Around which points of a table are unrolled; found unless given.
+
+    Returns
+    -------
+    SealResult
+        `table` has a row for each step and fluid pressure, `mesh` what flows where; there are no bodies.
+
+    Raises
+    ------
+    InputError
+        If the file is no such map, or does not tell its units or where the fluid stands; the message says what to give.
+
+    Examples
+    --------
+    >>> found = fem_seal.leak_of_pressure_map("wedge.vtu", "wedge.toml")     # doctest: +SKIP
+    >>> found.table[["step", "leak_rate_m3_per_s"]]                          # doctest: +SKIP
+    >>> found.mesh.plot(scalars="contact_pressure_Pa")                       # doctest: +SKIP
+    """
+    from fem_seal.answers.map_files import MapOptions, read_map
+
+    case = case_of(case)
+    options = MapOptions(field, gap_field, columns, pressure_unit, length_unit, axis)
+    with TemporaryDirectory(prefix="fem-seal-") as folder, returned_memory(), errors_in(case.display):
+        if not isinstance(source, (str, os.PathLike)):
+            mesh = (
+                source.cast_to_unstructured_grid() if hasattr(source, "cast_to_unstructured_grid") else source
+            )
+            (mesh.write if mesh is source else mesh.save)(path := Path(folder) / "mesh.vtu")
+            source = path
+        solution = solve_map(case, read_map(source, options, case.hardness), progress)
+    return SealResult(**{one.name: getattr(solution, one.name) for one in fields(solution)})
 
 
 def run(

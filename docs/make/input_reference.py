@@ -123,7 +123,7 @@ TASKS = {
     "material": ("A material", ()),
     "roughness": ("Roughness", ("roughness", "interface")),
     "fluid": ("The fluid", ("fluid",)),
-    "load": ("Loads", ("load",)),
+    "load": ("Loads", ("load", "map")),
     "bolts": ("Bolts", ("bolts",)),
     "temperature": ("Temperature", ("temperature",)),
     "requirement": ("The requirement", ("requirement",)),
@@ -577,6 +577,7 @@ def _leak_columns() -> Iterator[str]:
 def _other_columns() -> Iterator[str]:
     about = {
         "profile": "The pressure profiles of all loads, one below the other.",
+        "map": "`fem-seal leak` of a map of contact pressure adds these columns to leak.csv.",
         "contacts": "One row per load and sealing contact: one of a valve seat, two of a gasket.",
         "compression": "Of a gasket: one row per load, in their order, before the first and after the last.",
         "imprint": "The permanent imprint of each face after unloading, where a body has yielded.",
@@ -589,7 +590,7 @@ def _other_columns() -> Iterator[str]:
         "[particles](../guide/particles.md).",
     }
     for table, rows in about.items():
-        yield f"## {table}.csv\n\n{rows}\n"
+        yield f"## {'leak' if table == 'map' else table}.csv{' of a map' * (table == 'map')}\n\n{rows}\n"
         yield "| column | unit | meaning |\n|---|---|---|"
         yield from (
             f"| `{name}` | {split_unit(name)[1]} | {text} |" for name, text in MEANINGS[table].items()

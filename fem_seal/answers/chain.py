@@ -18,6 +18,8 @@ from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
 from fem_seal.answers.form import FORM
+from fem_seal.answers.map_files import PressureMap
+from fem_seal.answers.map_leak import face_of, leak_of_map, remarks_of_map
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
@@ -32,7 +34,7 @@ from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS, shown_in
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
-from fem_seal.errors import write
+from fem_seal.errors import Text, write
 from fem_seal.seal.evaluate import evaluate_seal
 from fem_seal.seal.findings import not_calculated
 from fem_seal.seal.heating import with_contact_temperatures
@@ -114,6 +116,7 @@ def solve(
     answers : sequence of Answer, optional
         In their order; all that are asked for unless given.
     """
+    case.check_shapes()
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps(case.display)
     seal = _solve_loads(case, clock, steps, tells=progress is not None)
     solver = LoadSolver(seal.problem, seal.model)
@@ -153,14 +156,54 @@ def solve_profiles(
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps(case.display)
     problem = SealProblem.of(case)
     _simulate(problem, clock)
+    case.check_shapes()
     with clock.step("leak", "flow conductivity and leak rates"):
-        loads = [
-            _add_values(steps, _compute(steps, load, _LEAK), _SEPARATION)
-            for load in leak_of_profiles(problem, profiles)
-        ]
+        loads = leak_of_profiles(problem, profiles)
+    return _of_given(case, problem, loads, clock, steps, profiles)
+
+
+def solve_map(case: Case, found: PressureMap, progress: Progress | None = None) -> SealSolution:
+    """Leak rates of a map of contact pressure, and all that needs no bodies.
+
+    Parameters
+    ----------
+    case : Case
+        Whose closure and seat need no shapes.
+    found : PressureMap
+    progress : callable, optional
+        Called with a status message before each step.
+
+    Raises
+    ------
+    InputError
+        As of `face_of` and `leak_of_map`.
+    """
+    clock, steps = Clock(progress or (lambda text: None)), OptionalSteps(case.display)
+    face = face_of(found, case)
+    case = case.over_ring(*face.ring)
+    problem = SealProblem.of(case)
+    _simulate(problem, clock)
+    with clock.step("leak", "flow conductivity and leak rates"):
+        loads, remarks = leak_of_map(problem, found, face)
+    remarks += remarks_of_map(found, face, case)
+    return _of_given(case, problem, loads, clock, steps, [found], remarks)
+
+
+def _of_given(
+    case: Case,
+    problem: SealProblem,
+    loads: Sequence[CaseLoad],
+    clock: Clock,
+    steps: OptionalSteps,
+    contacts: Sequence[ImportedProfile | PressureMap],
+    remarks: Sequence[Text] = (),
+) -> SealSolution:
+    """A case on given contacts with all that is asked of it."""
+    loads = [_add_values(steps, _compute(steps, load, _LEAK), _SEPARATION) for load in loads]
     no_bodies: Any = None  # of what has no bodies
     seal = SolvedSeal(case, problem, no_bodies, no_bodies, tuple(loads))
-    request = Request(no_bodies, clock, steps=steps, answers={"profiles": tuple(profiles)})
+    answers = {"profiles": tuple(contacts)}
+    request = Request(no_bodies, clock, steps=steps, answers=answers, remarks=[*remarks])
     return _answer_all(seal, request, _OF_PROFILES)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,33 +52,54 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     InputError
         If the problem has no roughness or no fluid.
     """
+    surface, flow = leaking(problem)
+    peaks = [float(profile.pressure.max()) for profile in profiles]
+    contacts = [_profile(problem.contact, profile) for profile in profiles]
+    rough = LeakModel(surface, flow, GivenPressures(tuple(contacts)))
+    fluid_pressures = _fluid_pressures(problem, profiles)
+    refuse_far_too_weak(problem, peaks, fluid_pressures)
+    given_loads = [
+        LoadResult(fluid_pressure, 0.0, GivenContact(contact), rough)  # type: ignore[arg-type]
+        for contact, pressures in zip(contacts, fluid_pressures, strict=True)
+        for fluid_pressure in pressures
+    ]
+    loads = with_all_scenarios(problem, given_loads)
+    return [load.with_values(validity=profile_validity(problem, load)) for load in loads]
+
+
+def leaking(problem: SealProblem) -> tuple[FaceContact, FlowModel]:
+    """Surface and flow of a problem, for contacts that are given; InputError if it lacks one, or asks for bodies.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
     surface, flow = problem.surface, problem.flow
     if surface is None or flow is None:
         names = [name for name, value in (("roughness", surface), ("fluid", flow)) if value is None]
         raise InputError(*(problem_of("profile_without", name=name) for name in names), file=problem.file)
     if problem.loads.preparation:
         raise InputError(problem_of("profile_load_before"), file=problem.file)
-    peaks = [float(profile.pressure.max()) for profile in profiles]
     if problem.form is not None:
-        raise InputError(
-            problem_of("profile_form", key="load.bending_moment" if problem.form.moment else "form"),
-            file=problem.file,
-        )
-    contacts = [_profile(problem.contact, profile) for profile in profiles]
-    rough = LeakModel(surface, flow, partial(_conductivity, contacts))
-    fluid_pressures = _fluid_pressures(problem, profiles)
-    _refuse_far_too_weak(problem, peaks, fluid_pressures)
-    given_loads = [
-        LoadResult(fluid_pressure, 0.0, GivenContact(contact), rough)  # type: ignore[arg-type]
-        for contact, pressures in zip(contacts, fluid_pressures, strict=True)
-        for fluid_pressure in pressures
-    ]
+        key = "load.bending_moment" if problem.form.moment else "form"
+        raise InputError(problem_of("profile_form", key=key), file=problem.file)
+    return surface, flow
+
+
+def with_all_scenarios(problem: SealProblem, given_loads: Sequence[LoadResult]) -> list[CaseLoad]:
+    """Loads on given contacts with all scenarios beside them.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    given_loads : sequence of LoadResult
+    """
     loads = case_loads(problem, given_loads)
     for scenario in with_own_contacts(problem):
         # the force is not known, and the contact the same for all
         others = case_loads(scenario.problem, scenario.on_contacts(given_loads))
         loads = [load.with_scenarios({scenario.name: alt}) for load, alt in zip(loads, others, strict=True)]
-    return [load.with_values(validity=profile_validity(problem, load)) for load in loads]
+    return loads
 
 
 def _fluid_pressures(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[Sequence[float]]:
@@ -95,21 +116,45 @@ def _fluid_pressures(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     return [[profile.fluid_pressure] for profile in profiles if profile.fluid_pressure]
 
 
-def _refuse_far_too_weak(
+def refuse_far_too_weak(
     problem: SealProblem, peaks: Sequence[float], fluid_pressures: Sequence[Sequence[float]]
 ) -> None:
-    """Refuse contacts none of which comes near its fluid pressure: pascals for megapascals."""
+    """Refuse contacts none of which comes near its fluid pressure: pascals for megapascals.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    peaks : sequence of float
+        Of each contact [Pa].
+    fluid_pressures : sequence of sequence of float
+        Of each contact [Pa].
+    """
     if all(peak < _FAR_TOO_WEAK * min(loads) for peak, loads in zip(peaks, fluid_pressures, strict=True)):
         peak = max(peaks)
         loads = fluid_pressures[peaks.index(peak)]
         raise InputError(problem_of("far_too_weak", peak=peak, pressure=min(loads)), file=problem.file)
 
 
-def _conductivity(contacts: Sequence[PressureProfile], flow: FlowModel, surface: FaceContact) -> Conductivity:
-    """Flow conductivity over all pressures of the profiles, as they act on the surface."""
-    peaks = [float(contact.at_rest(surface).pressure.max()) for contact in contacts]
-    # nine decades below the peak the resistance is less than one part in a million of the whole
-    return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))
+@dataclass(frozen=True, eq=False)
+class GivenPressures:
+    """Flow conductivity over all pressures of given contacts.
+
+    Parameters
+    ----------
+    contacts : tuple of PressureProfile
+    others : tuple of float
+        Highest pressures of others, between whose points the pressure may be any up to sealing [Pa].
+    """
+
+    contacts: tuple[PressureProfile, ...] = ()
+    others: tuple[float, ...] = ()
+
+    def __call__(self, flow: FlowModel, surface: FaceContact) -> Conductivity:
+        """The table of a flow and a surface."""
+        peaks = [*(float(contact.at_rest(surface).pressure.max()) for contact in self.contacts), *self.others]
+        # nine decades below the peak the resistance is less than one part in a million of the whole
+        ends = [*peaks, surface.sealing_pressure] if self.others else peaks
+        return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(ends))
 
 
 def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float | None, float | None]:

@@ -45,6 +45,11 @@ from meshes import ContactGeometry, GeometryError, Shape
 
 # Key of a problem with the upper flange, its face, or both bodies: in the lower half that is the lower flange.
 _LOWER = re.compile(r"^(roughness\.|)(?:closure(?=\.|$)|gasket$)")
+# What stands for the shapes of bodies that have none, of which nothing but the material counts; see `Case.over_ring`.
+_RING: dict[str, dict[str, str]] = {
+    "closure": {"shape": "disc", "radius": "30 mm"},
+    "seat": {"shape": "flat-land", "land_inner_radius": "10 mm", "land_outer_radius": "15 mm"},
+}
 # Tables that are quickly read, and depend on others: temperature, outlet of the fluid, bolts, circle of first touch.
 _DEPENDENT_TABLES = {"fluid", "load", "requirement"}
 # What completion offers besides the tables.
@@ -174,6 +179,9 @@ class Case(CaseTables):
                 new["roughness"] = {key: finish for key, finish in rough.items() if key != "seat"}
         if not of_gasket and tables.get("seat") is None:
             wrong.append(missing_key(CaseTables, "seat"))
+        is_bare = not of_gasket and all(_is_bare(tables.get(name)) for name in _RING)
+        if is_bare:
+            new |= {name: {**new[name], **shape} for name, shape in _RING.items() if name in new}
         if "fluid" in new and tables.get("temperature") is not None:
             new["fluid"] = with_film_temperature(new["fluid"], tables["temperature"])
         try:
@@ -184,6 +192,7 @@ class Case(CaseTables):
             raise InputError(*wrong, *(fault for fault in faults if fault.key not in known_keys)) from None
         if wrong:
             raise InputError(*wrong)
+        self._has_shapes = not is_bare
         if like is not None and ({"closure", self.key_of("seat")} <= same or self._of_the_shape_of(like)):
             self._take_bodies(like)
         if self.bolts is not None:
@@ -211,6 +220,32 @@ class Case(CaseTables):
         self._input = tables
         if of_gasket:
             self._lower_half = self._of_lower_flange(tables)
+
+    def check_shapes(self) -> None:
+        """InputError if its bodies have no shapes."""
+        if not self.has_shapes:
+            raise InputError(problem("shapes_missing"), file=self.file)
+
+    def over_ring(self, inner: float, outer: float) -> Case:
+        """The case of given contacts with bodies that touch on a ring, where they have no shapes; else itself.
+
+        Parameters
+        ----------
+        inner, outer : float
+            Radii [m].
+        """
+        if self.has_shapes:
+            return self
+        radii = {"land_inner_radius": inner, "land_outer_radius": outer}
+        case = self.model_copy(
+            update={
+                "closure": self.closure.model_copy(update={"radius": 2.0 * outer}),
+                "seat": self.seat and self.seat.model_copy(update=radii),
+            }
+        )
+        for name in ("bodies", "contact"):
+            vars(case).pop(name, None)
+        return case
 
     def _of_lower_flange(self, tables: Mapping[str, Any]) -> Case | None:
         """The case with the lower flange on both faces of the gasket; None where it is like the upper one."""
@@ -464,6 +499,11 @@ def _place_results(tables: dict[str, Any], path: Path) -> None:
         ending = "out" if name == "output" else name
         if isinstance(table, dict) and isinstance(table.get("folder", ""), str):
             table["folder"] = str(path.absolute().parent / table.get("folder", f"{path.stem}.{ending}"))
+
+
+def _is_bare(table: object) -> bool:
+    """Whether nothing but a material stands in the table of a body."""
+    return isinstance(table, Mapping) and table.keys() == {"material"}
 
 
 def _named_files(entry: Any, name: str = "") -> Iterator[str]:

@@ -41,7 +41,7 @@ _LARGEST_STRAIN = 0.02
 def contradictions(case: CaseTables) -> list[Problem]:
     """Everything in a case that does not fit together."""
     return [
-        *(geometry := list(_bodies(case))),
+        *(geometry := list(_bodies(case) if case.has_shapes else _without_shapes(case))),
         *_gasket(case),
         *_spectrum(case),
         *_interface(case),
@@ -117,6 +117,12 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
         yield from _meets_beside(case)
     # around a small bore the strain is up to three times that of the wall, which must stay small, too
     yield from _small_fit(case, "seat_interference", case.lower.interference or 0.0)
+
+
+def _without_shapes(case: CaseTables) -> Iterator[Problem]:
+    """What needs more of the bodies than their materials."""
+    keys = {"bolts": case.bolts, "form": case.form, "temperature.faces": case.conducts_heat or None}
+    yield from (problem("without_shapes", key=key) for key, table in keys.items() if table is not None)
 
 
 def _meets_beside(case: CaseTables) -> Iterator[Problem]:
@@ -658,6 +664,8 @@ def refused_loads(case: CaseTables) -> dict[int, Problem]:
         Whose tables fit together otherwise.
     """
     problems: dict[int, Problem] = {}
+    if not case.has_shapes:
+        return problems
     crushing_load = None
     for number, (pressure, applied_force) in enumerate(case.load.points):
         load = case, pressure, applied_force

@@ -45,6 +45,9 @@ def case_schema() -> dict[str, Any]:
     case_file = as_schema("fem-seal case", schema)
     _add_finishes(case_file["properties"], ("roughness",))
     _add_finishes(case_file["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure", "gasket"))
+    for body in ("closure", "seat"):
+        # given contacts need no shapes
+        case_file["properties"][body]["required"] = ["material"]
     _share_material(case_file["$defs"])
     return case_file
 

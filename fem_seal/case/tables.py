@@ -18,6 +18,7 @@ from fem_seal.case.bolts import BoltsTable
 from fem_seal.case.drawn import ClosureProfile, GasketProfile, SeatProfile
 from fem_seal.case.fields import (
     RATES,
+    Box,
     Bubbles,
     Chamber,
     Drops,
@@ -153,6 +154,28 @@ class Load(Table):
         points = [point for number, point in enumerate(self.points) if number not in numbers]
         pressures, forces = zip(*points, strict=True)
         return self.model_copy(update={"fluid_pressure": pressures, "applied_force": forces})
+
+
+class MapPart(Table):
+    """A part of the edge of a map: where a field has a value, or inside a box."""
+
+    field: str | None = None
+    value: float | int | None = None
+    box: Annotated[tuple[float, ...], Box(Quantity("length", "-100 m", "100 m"))] | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> MapPart:
+        if ((self.field is None) is not (self.value is None)) or ((self.field is None) is (self.box is None)):
+            raise ValueError(problem("map_part"))
+        return self
+
+
+class Map(Table):
+    """[map]: where the fluid stands at the edge of a map of contact pressure."""
+
+    high: str | MapPart | None = None
+    low: str | MapPart | None = None
+    wall: str | MapPart | None = None
 
 
 class Leak(Table):
@@ -383,6 +406,7 @@ class CaseTables(Table):
     load: Load
     bolts: BoltsTable | None = None
     leak: Leak = Leak()
+    map: Map | None = None
     requirement: Requirement | None = None
     direct: Direct | None = None
     form: Form | None = None
@@ -394,6 +418,12 @@ class CaseTables(Table):
     _file: Path | None = PrivateAttr(default=None)
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
     _flange: str = PrivateAttr(default="flange")
+    _has_shapes: bool = PrivateAttr(default=True)
+
+    @property
+    def has_shapes(self) -> bool:
+        """Whether its bodies have shapes; those of given contacts need none."""
+        return self._has_shapes
 
     @property
     def display(self) -> Display:

@@ -319,25 +319,40 @@ def mesh(
 
 @app.command()
 def leak(
-    profile_file: Annotated[Path, terminal.argument("leak", "profile_file")],
+    pressure_file: Annotated[Path, terminal.argument("leak", "pressure_file")],
     case_file: terminal.CaseFile,
-    output: Annotated[Path | None, terminal.output_option("PROFILE.leak")] = None,
+    output: Annotated[Path | None, terminal.output_option("FILE.leak")] = None,
+    as_map: Annotated[bool | None, terminal.option("leak", "as_map")] = None,
+    field: Annotated[str | None, terminal.option("leak", "field")] = None,
+    gap_field: Annotated[str | None, terminal.option("leak", "gap_field")] = None,
+    columns: Annotated[str | None, terminal.option("leak", "columns")] = None,
+    pressure_unit: Annotated[str | None, terminal.option("leak", "pressure_unit")] = None,
+    length_unit: Annotated[str | None, terminal.option("leak", "length_unit")] = None,
+    axis: Annotated[str | None, terminal.option("leak", "axis")] = None,
     details: terminal.Details = False,
     all_columns: terminal.AllColumns = False,
     quiet: terminal.Quiet = False,
     json: terminal.Json = False,
     debug: terminal.Debug = False,
 ) -> None:
-    """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
-    from fem_seal.answers.chain import solve_profiles
+    """Leak rate of a given contact pressure, along a meridian or over a face, from any finite-element code."""
+    from fem_seal.answers.chain import solve_map, solve_profiles
+    from fem_seal.answers.map_files import MapOptions, is_map, read_map
     from fem_seal.answers.profile_files import read_profiles
     from fem_seal.output import files
 
-    case = terminal.case_of_command(case_file)
-    profiles = read_profiles(profile_file, case.contact)
-    folder = _create_folder(output or profile_file.with_suffix(".leak"))
+    case = terminal.case_of_command(case_file, with_shapes=False)
+    solve: Any
+    given: Any
+    if is_map(pressure_file, columns) if as_map is None else as_map:
+        options = MapOptions(field, gap_field, columns, pressure_unit, length_unit, axis)
+        solve, given = solve_map, read_map(pressure_file, options, case.hardness)
+    else:
+        case.check_shapes()
+        solve, given = solve_profiles, read_profiles(pressure_file, case.contact)
+    folder = _create_folder(output or pressure_file.with_suffix(".leak"))
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
-        result = solve_profiles(case, profiles, progress)
+        result = solve(case, given, progress)
         progress("writing results")
         failures = files.write(result, folder, all_columns=all_columns)
     _show(result, folder, failures, details=details, all_columns=all_columns, quiet=quiet, json=json)

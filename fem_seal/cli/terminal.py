@@ -485,9 +485,12 @@ def _dimension(display: Display, key: str, value: float) -> str:
     return f"{unit.of(value):.4g} {unit.name}"
 
 
-def case_of_command(path: Path) -> Case:
+def case_of_command(path: Path, *, with_shapes: bool = True) -> Case:
     """The case of a command, in whose units all that follows is shown."""
-    return fem_seal.load_case(path)
+    case = fem_seal.load_case(path)
+    if with_shapes:
+        case.check_shapes()
+    return case
 
 
 def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = False) -> None:

@@ -20,6 +20,7 @@ from fem_seal.output import answer_outputs, stored
 from fem_seal.output.answer_output import by_scenario
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
+from fem_seal.output.pressure_map import map_of, write_map
 from fem_seal.output.report.page import far_field_sentence, write_report
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import (
@@ -74,9 +75,9 @@ def write(
         reports = {
             "report.html": lambda result, folder: write_report(result, folder / "report.html", full=full)
         }
-        for name, write_one in (_FILES | reports).items():
-            if result.of_profile and name != "report.html":
-                continue  # has neither mesh nor fields
+        # given contacts have neither mesh nor fields, but for maps
+        files = _FILES if not result.of_profile else {"map": write_map} if map_of(result.loads[0]) else {}
+        for name, write_one in (files | reports).items():
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
         answer_tables = {

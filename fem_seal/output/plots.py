@@ -20,6 +20,7 @@ from fem_seal.output.pictures.contact import draw_gap, draw_profiles
 from fem_seal.output.pictures.leak import draw_leak
 from fem_seal.output.pictures.style import label, logarithmic, outside_text, panels, spans_decades, style
 from fem_seal.output.pictures.surface import draw_spectrum
+from fem_seal.output.pressure_map import draw_map, map_of
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -68,7 +69,7 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
             panel.grid(True)
         if leaks:
             _draw_leak(axes[0], result)
-        draw_profiles(axes[-1], result)
+        (_draw_map if map_of(result.loads[0]) else draw_profiles)(axes[-1], result)
     return figure
 
 
@@ -116,6 +117,13 @@ def _draw_around(axes: Axes, result: SealSolution) -> None:
         )
 
 
+def _draw_map(axes: Axes, result: SealSolution) -> None:
+    if map_of(result.loads[0]) is None:
+        raise _nothing("map", "the contact is not given as a map; that takes `fem_seal.leak_of_pressure_map`")
+    axes.grid(False)
+    draw_map(axes, result)
+
+
 def _draw_surface(axes: Axes, result: SealSolution) -> None:
     if result.surface is None:
         raise _nothing("surface", "the case has no roughness; [roughness] gives it one")
@@ -160,4 +168,5 @@ PLOTS: dict[str, Callable[[Axes, SealSolution], None]] = {
     "around": _draw_around,
     "surface": _draw_surface,
     "sensitivities": _draw_sensitivities,
+    "map": _draw_map,
 }

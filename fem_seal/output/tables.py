@@ -23,8 +23,9 @@ from fem_seal.seal.findings import (
     validity_entries,
     why_missing,
 )
-from fem_seal.seal.load_result import in_order
+from fem_seal.seal.load_result import GivenContact, in_order
 from fem_seal.seal.scenarios import BESIDE, SCENARIOS
+from fem_seal.seal.surface_profile import SurfaceLeak
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
@@ -76,8 +77,20 @@ def leak_rows(result: SealSolution, *, all_columns: bool = False) -> list[dict[s
         With all columns, also those that do not belong to the case; see `columns_of`.
     """
     columns = columns_of(result.case, of_profile=result.of_profile, all_columns=all_columns)
-    rows = (_row(columns, load, load.verdict, load.validity, result.display) for load in result.loads)
+    rows = (
+        _with_map(load, _row(columns, load, load.verdict, load.validity, result.display))
+        for load in result.loads
+    )
     return in_order(rows, result.missing_loads, lambda load: _missing_row(result.case, load, columns))
+
+
+def _with_map(load: CaseLoad, row: dict[str, Any]) -> dict[str, Any]:
+    """The row with what only a load on a map of contact pressure has."""
+    leak, contact = load.leak, load.contact
+    if not isinstance(leak, SurfaceLeak) or not isinstance(contact, GivenContact):
+        return row
+    over = leak.over
+    return {"step": contact.step, **row, "worst_tenth_share": over.worst_tenth_share, "error": over.error}
 
 
 def _missing_row(case: Case, load: MissingLoad, columns: Sequence[Column]) -> dict[str, Any]:
@@ -116,7 +129,7 @@ def leak_table(result: SealSolution, *, all_columns: bool = False) -> pd.DataFra
     import pandas as pd
 
     table = pd.DataFrame([with_text(row) for row in leak_rows(result, all_columns=all_columns)])
-    return table.astype({name: float for name in table if name not in TEXT_COLUMNS})
+    return table.astype({name: float for name in table if name not in (*TEXT_COLUMNS, "step")})
 
 
 def with_text(row: Mapping[str, Any]) -> dict[str, Any]:

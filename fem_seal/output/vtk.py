@@ -56,7 +56,7 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
         solved = [(part.contact.fields, part.contact.approach) for part in load.parts]
         return _write_bodies(solved, _load_data(load), levels, path)
 
-    return _write_loads(result, folder, "contact", "vtu", write_load)
+    return write_loads(result, folder, "contact", "vtu", write_load)
 
 
 def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
@@ -105,7 +105,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
             field_data=_load_data(load),
         )
 
-    return _write_loads(result, folder, "contact_line", "vtp", write_load)
+    return write_loads(result, folder, "contact_line", "vtp", write_load)
 
 
 def write_around(result: SealSolution, folder: Path) -> list[Path]:
@@ -135,10 +135,10 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
             path, "Polys", points, quads.ravel(), ends, point_data=data, field_data=_load_data(load)
         )
 
-    return _write_loads(result, folder, "around", "vtp", write_load)
+    return write_loads(result, folder, "around", "vtp", write_load)
 
 
-def _write_loads(
+def write_loads(
     result: SealSolution,
     folder: Path,
     stem: str,
@@ -149,6 +149,15 @@ def _write_loads(
 
     A viewer would mix the two runs. The time is the fluid pressure [Pa], or the number of the load where pressure does
     not rise throughout.
+
+    Parameters
+    ----------
+    result : SealSolution
+    folder : pathlib.Path
+    stem, suffix : str
+        Of the names of the files.
+    write_load : callable
+        Writes the file of a load to a path; None where it has none.
     """
     loads = result.loads
     pressures = [load.fluid_pressure for load in loads]
@@ -362,8 +371,8 @@ def _load_data(load: CaseLoad) -> dict[str, NDArray[np.generic]]:
     }
 
 
-# VTK's number of the cells of a grid.
-_QUADRATIC_TRIANGLE = 22
+# VTK's numbers of the cells of a grid.
+_TRIANGLE, _QUADRATIC_TRIANGLE = 5, 22
 
 Arrays = Mapping[str, NDArray[np.generic]]
 
@@ -385,7 +394,7 @@ def write_cells(
     ----------
     path : pathlib.Path
     kind : {"Cells", "Lines", "Polys"}
-        Quadratic triangles of a grid (.vtu), or lines or polygons (.vtp).
+        Triangles of a grid, linear or quadratic (.vtu), or lines or polygons (.vtp).
     points : ndarray, shape (n, 3)
         [m]
     connectivity : ndarray of int
@@ -417,7 +426,8 @@ def write_cells(
         "offsets": offsets.astype(np.int32),
     }
     if kind == "Cells":
-        cells["types"] = np.full(len(offsets), _QUADRATIC_TRIANGLE, dtype=np.uint8)
+        kind_of_cell = _QUADRATIC_TRIANGLE if offsets[0] > 3 else _TRIANGLE
+        cells["types"] = np.full(len(offsets), kind_of_cell, dtype=np.uint8)
     piece = (
         section(kind, cells)
         + section("PointData", point_data)

@@ -13,6 +13,7 @@ import numpy as np
 import leak
 from fem_seal.profile import join_lands
 from fem_seal.sampling import CUT_OFF
+from fem_seal.seal.surface_profile import SurfaceProfile
 from leak.flow.conductivity import table_abscissa
 from leak.flow.turned_contact import calculated_table
 from leak.numerics.roots import root_between
@@ -335,6 +336,9 @@ class FlowModel:
             Pressure difference [Pa].
         """
         ends = (fluid_pressure, 0.0) if self.pressure_side == "inner" else (0.0, fluid_pressure)
+        if isinstance(profile, SurfaceProfile):
+            across = partial(self._leak_across, tables[0], profile, *ends)
+            return self._of_all_faces(profile.leak(self.permeant(tables[0], fluid_pressure), across))
         lands = profile.lands
         if len(lands) > 1:
             from leak.flow.series import SeriesContact, in_series

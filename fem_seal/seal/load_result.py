@@ -260,9 +260,12 @@ class GivenContact:
     ----------
     whole_profile : PressureProfile
         With its lands.
+    step : str, optional
+        What the load step is called that it comes from.
     """
 
     whole_profile: PressureProfile
+    step: str = ""
     largest = None
     history = ()
 

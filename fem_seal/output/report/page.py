@@ -39,6 +39,7 @@ from fem_seal.output.pictures.leak import leak_picture, memory_picture
 from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
+from fem_seal.output.pressure_map import map_of, map_picture
 from fem_seal.output.report import brief
 from fem_seal.output.sources import sources
 from fem_seal.seal.findings import NOT_CALCULATED, Level, why_missing
@@ -57,7 +58,17 @@ if TYPE_CHECKING:
 # So much stands on the short page: tiles, reasons, warnings that are not folded, pictures beside contact, leak, case.
 _TILES, _WHY, _WARNINGS, _BESIDE = 6, 5, 5, 2
 # Pictures that may stand there, by rank.
-_RANK = ("seal", "unrolled", "set_pressure", "particles", "compression", "memory", "imprint", "profiles")
+_RANK = (
+    "seal",
+    "pressure_map",
+    "unrolled",
+    "set_pressure",
+    "particles",
+    "compression",
+    "memory",
+    "imprint",
+    "profiles",
+)
 
 
 def write_report(result: SealSolution, path: Path, *, full: bool = False) -> Path:
@@ -148,7 +159,7 @@ def short_pictures(result: SealSolution, derived: ClosedForms) -> list[Picture]:
         Closed forms of the case.
     """
     with style():
-        drawings = [sketch(result)]
+        drawings = _sketches(result)
         if not result.of_profile:
             drawings.append(contact_picture(result, decisive(result)))
         if len(result.loads) > 1:
@@ -189,7 +200,12 @@ def pictures(result: SealSolution, derived: ClosedForms) -> list[Picture]:
     """
     sizes = profile_sizes(result, derived)
     with style():
-        return [sketch(result), *filter(None, _draw_pictures(result, derived, sizes))]
+        return [*_sketches(result), *filter(None, _draw_pictures(result, derived, sizes))]
+
+
+def _sketches(result: SealSolution) -> list[Picture]:
+    """The section of bodies that have shapes."""
+    return [sketch(result)] if result.case.has_shapes else []
 
 
 def _draw_pictures(
@@ -219,6 +235,8 @@ def _draw_pictures(
 
 def _pictures_around(result: SealSolution) -> tuple[Picture | None, ...]:
     """Pictures of a seal that is not round; for a round one its section shows everything."""
+    if result.of_profile and map_of(result.loads[0]):
+        return (map_picture(result),)
     if not any(load.circumference and load.circumference.form.uneven for load in result.loads):
         return ()
     from concurrent.futures import ThreadPoolExecutor

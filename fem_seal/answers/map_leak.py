@@ -1,0 +1,216 @@
+"""Leak rates of maps of contact pressure: of any finite-element code, over a face of any shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from fem_seal.answers.case_load import CaseLoad
+from fem_seal.answers.map_files import PressureMap
+from fem_seal.answers.profile_leak import GivenPressures, leaking, refuse_far_too_weak, with_all_scenarios
+from fem_seal.arrays import BoolArray, FloatArray, IntArray
+from fem_seal.case.case import Case
+from fem_seal.case.tables import MapPart
+from fem_seal.errors import InputError, Problem
+from fem_seal.files import problem as problem_of
+from fem_seal.seal.leak_model import LeakModel
+from fem_seal.seal.load_result import DiscretisationError, GivenContact, LoadResult
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.surface_profile import Face, SurfaceLeak, SurfaceProfile
+from fem_seal.validity.checks import profile_validity
+from leak import ContactSurface, LeakError
+
+# Fewest nodes across a contact; share of the peak below which it does not count as pressed.
+_FEWEST_NODES, _PRESSED = 6.0, 1e-3
+# Pressures of neighbours that alternate: correlation of their distances from those around them, and share of the peak.
+_ALTERNATES, _JUMPS = -0.5, 0.05
+# By which the force of a map may miss that of the case.
+_OFF = 0.2
+
+
+def face_of(found: PressureMap, case: Case) -> Face:
+    """The surface of a map and where the fluid stands.
+
+    Parameters
+    ----------
+    found : PressureMap
+    case : Case
+
+    Raises
+    ------
+    InputError
+        If the surface cannot be used, or does not tell where the fluid stands.
+    """
+    table, side = case.map, case.load.pressure_side
+    named = {} if table is None else {name: part for name, part in table if part is not None}
+    if named.keys() == {"wall"}:
+        raise InputError(problem_of("map_one_side"), file=case.file)
+    try:
+        surface = ContactSurface(found.points, found.triangles)
+        masks = {name: _part(found, name, part, case) for name, part in named.items()}
+        wall = masks.pop("wall", np.zeros(len(found.points), dtype=bool))
+        edges = {
+            name: np.setdiff1d(surface.open_edges(side), surface.open_edges(wall))
+            for name, side in masks.items()
+        }
+        for name in {"high", "low"} - edges.keys() if edges else ():
+            (given,) = masks.values()
+            # between a point of the given side and one of the wall there is wall
+            edges[name] = np.setdiff1d(
+                np.flatnonzero(surface.edges.on_boundary), surface.open_edges(given | wall)
+            )
+        sides = {name: surface.edges.ends[ends].ravel() for name, ends in edges.items()}
+        return Face(surface, *surface.sides(**sides, pressure_side=side), side == "outer")
+    except LeakError as error:
+        raise InputError(problem_of("map_edge", why=str(error)), file=case.file) from None
+
+
+def _part(found: PressureMap, name: str, part: str | MapPart, case: Case) -> BoolArray:
+    """Nodes of a part."""
+    if isinstance(part, MapPart) and part.box is not None:
+        low, high = np.reshape(part.box, (3, 2)).T
+        return np.asarray(((found.points >= low) & (found.points <= high)).all(axis=1))
+    key = part if isinstance(part, str) else f"{part.field} = {part.value:g}"
+    if key not in found.parts:
+        raise InputError(problem_of("map_no_part", name=name, names=", ".join(found.parts)), file=case.file)
+    return found.parts[key]
+
+
+def leak_of_map(problem: SealProblem, found: PressureMap, face: Face) -> tuple[list[CaseLoad], list[Problem]]:
+    """Leak rates of a map with the surface and the fluid of a problem: every fluid pressure for every step.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    found : PressureMap
+    face : Face
+
+    Returns
+    -------
+    loads : list of CaseLoad
+    remarks : list of Problem
+        Why steps have none, and what the leak rates do not know.
+
+    Raises
+    ------
+    InputError
+        If the problem has no roughness or no fluid, or asks for what is not known of maps, or no step has a leak rate.
+    """
+    surface, flow = leaking(problem)
+    if flow.fluid_in_gap == "local":
+        raise InputError(problem_of("map_local"), file=problem.file)
+    peaks = found.pressure.max(axis=1)
+    every = list(dict.fromkeys(problem.loads.fluid_pressure))
+    pressures = [every if own is None else [own] for own in found.fluid_pressures]
+    refuse_far_too_weak(problem, peaks.tolist(), pressures)
+    rough = LeakModel(surface, flow, GivenPressures(others=tuple(peaks[peaks > 0.0].tolist())))
+    assert rough.table is not None  # it has a fluid
+    has_lay = getattr(surface, "peklenik", None) != 1.0
+    loads, remarks = list[LoadResult](), [problem_of("map_isotropic")] if has_lay else []
+    for number, step in enumerate(found.steps):
+        opening = None if found.gap is None else found.gap[number]
+        profile = SurfaceProfile.of(face, found.pressure[number], opening)
+        try:
+            # on the given triangles, for the places that let most through
+            flux = profile.flow(flow.permeant(rough.table, pressures[number][0]), tolerance=1e9).flux
+        except LeakError as error:
+            remarks.append(problem_of("map_step", step=step, why=str(error)))
+            continue
+        contact = GivenContact(SurfaceProfile.of(face, found.pressure[number], opening, flux), step)
+        loads += [LoadResult(pressure, 0.0, contact, rough) for pressure in pressures[number]]  # type: ignore[arg-type]
+    if not loads:
+        raise InputError(*remarks, file=problem.file)
+    solved = map(_solved, with_all_scenarios(problem, loads))
+    return [load.with_values(validity=profile_validity(problem, load)) for load in solved], remarks
+
+
+def _solved(load: CaseLoad) -> CaseLoad:
+    """A load and its scenarios with the flow over the surface; for all that follows from it stands its profile."""
+    leak, rough, profile = load.leak, load.rough, load.whole_profile
+    assert isinstance(leak, SurfaceLeak) and isinstance(profile, SurfaceProfile)
+    assert rough is not None and isinstance(load.contact, GivenContact)
+    across = rough.leak(profile.with_share(1.0), load.fluid_pressure)
+    rates = leak.leak_rate, 0.0 if across is None else across.leak_rate
+    share = rates[0] / rates[1] if min(rates) > 0.0 else 1.0
+    return load.with_values(
+        contact=GivenContact(profile.with_share(share), load.contact.step),
+        scenarios={name: _solved(other) for name, other in load.scenarios.items()},
+        mesh_error=DiscretisationError(0.0, 0.0, 0.0, leak.over.error),
+    )
+
+
+# --- what is said against a map -------------------------------------------------------------------------------
+
+
+def remarks_of_map(found: PressureMap, face: Face, case: Case) -> Iterator[Problem]:
+    """What makes the pressures of a map doubtful, each for the first step of which it is true.
+
+    Parameters
+    ----------
+    found : PressureMap
+    face : Face
+    case : Case
+    """
+    checks = (_few_nodes, _oscillates, partial(_force, case=case))
+    steps = [pair for pair in zip(found.pressure, found.steps, strict=True) if pair[0].max() > 0.0]
+    for check in checks:
+        said = (check(face, *step) for step in steps)
+        yield from [each for each in said if each is not None][:1]
+
+
+def _few_nodes(face: Face, pressure: FloatArray, step: str) -> Problem | None:
+    """A mesh too coarse across the contact."""
+    i, j = _edges_across(face).T
+    pressed = np.minimum(pressure[i], pressure[j]) > _PRESSED * pressure.max()
+    areas, is_pressed = face.at_points(face.surface.areas), pressure > _PRESSED * pressure.max()
+    row = float(np.median(np.abs(face.across[i] - face.across[j])[pressed])) if pressed.any() else 1.0
+    # of a row at the edge half of the area is beyond it
+    nodes = areas[is_pressed].sum() / areas.sum() / row + bool(is_pressed[face.high | face.low].any())
+    return problem_of("map_few_nodes", step=step, nodes=nodes) if nodes < _FEWEST_NODES else None
+
+
+def _edges_across(face: Face) -> IntArray:
+    """Ends of the edges that lead from side to side rather than along."""
+    ends = face.surface.edges.ends
+    rise = np.abs(face.across[ends[:, 0]] - face.across[ends[:, 1]])
+    return np.asarray(ends[face.width * rise > 0.7 * face.surface.lengths])
+
+
+def _oscillates(face: Face, pressure: FloatArray, step: str) -> Problem | None:
+    """Pressures that alternate from node to node, along the sides or across."""
+    n, ends = len(pressure), face.surface.edges.ends
+    i, j = ends.T
+    beside, count = (
+        np.bincount(i, values[j], n) + np.bincount(j, values[i], n) for values in (pressure, np.ones(n))
+    )
+    off = pressure - beside / np.maximum(count, 1)
+    size = float(np.sqrt(np.mean(off[pressure > _PRESSED * pressure.max()] ** 2)) / pressure.max())
+    for a, b in (_edges_across(face).T, ends.T):
+        square = 0.5 * float((off[a] ** 2 + off[b] ** 2).sum())
+        if size > _JUMPS and float(off[a] @ off[b]) < _ALTERNATES * square:
+            return problem_of("map_oscillates", step=step, share=2.0 * size)
+    return None
+
+
+def _force(face: Face, pressure: FloatArray, step: str, *, case: Case) -> Problem | None:
+    """A ring that does not carry the force of the case along its axis."""
+    surface, load = face.surface, case.load
+    if "applied_force" not in load.model_fields_set or len(surface.loops) != 2 or case.map is not None:
+        return None
+    loops = [0.5 * _cross_sum(surface.points[loop]) for loop in surface.loops]
+    areas = sorted(float(np.linalg.norm(loop)) for loop in loops)
+    axis = loops[0] / np.linalg.norm(loops[0])
+    carried = float(pressure[surface.triangles].mean(axis=1) @ np.abs(surface.normals @ axis))
+    sign = 1.0 if load.pressure_side == "outer" else -1.0
+    ends = [force + sign * p * area for p, force in load.points for area in areas]
+    low, high = min(ends), max(ends)
+    if (1.0 - _OFF) * low <= carried <= (1.0 + _OFF) * high:
+        return None
+    return problem_of("map_force", step=step, carried=carried, low=low, high=high)
+
+
+def _cross_sum(loop: FloatArray) -> FloatArray:
+    """Twice the vector area of a closed line."""
+    return np.asarray(np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0))
