@@ -74,6 +74,21 @@ def total_forces(folder: Path) -> FloatArray:
     return np.array([[float(word) for word in line.split()] for line in totals])
 
 
+def contact_moment(folder: Path) -> FloatArray:
+    """Of the contact about the origin after the last step [N m], as CalculiX prints it, shape (3,)."""
+    lines = (folder / "seal.dat").read_text().splitlines()
+    last = max(k for k, line in enumerate(lines) if "moment about the origin" in line)
+    return 1e-3 * np.array(lines[last + 2].split()[3:], dtype=float)
+
+
+def displacements(folder: Path) -> dict[int, FloatArray]:
+    """Of the nodes of the one set that is printed [m], over their number."""
+    lines = (folder / "seal.dat").read_text().splitlines()
+    first = next(k for k, line in enumerate(lines) if "displacements" in line) + 2
+    rows = (line.split() for line in lines[first : lines.index("", first)])
+    return {int(node): 1e-3 * np.array(values, dtype=float) for node, *values in rows}
+
+
 def contact_pressures(file: Path) -> Iterator[dict[int, float]]:
     """Pressure [Pa] over node number from 0, step by step."""
     pressure: dict[int, float] | None = None

@@ -1,7 +1,8 @@
 """Input deck for CalculiX: a quarter of both bodies as solids, the seat's face two-lobed, one closing force.
 
-The triangles of the section, joined to quadrilaterals, are turned about the axis from 0 to 90 degrees. Lengths are in
-mm, forces in N, stresses in MPa, as CalculiX users have it. The axis of the seal is z, the angle 0 lies on x.
+The triangles of the section, joined to quadrilaterals, are turned about the axis from 0 to 90 degrees, or to 180 where
+a moment acts beside the force. Lengths are in mm, forces in N, stresses in MPa, as CalculiX users have it. The axis of
+the seal is z, the angle 0 lies on x.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _TYPES = {3: "C3D15", 4: "C3D20R"}
 
 @dataclass(frozen=True, eq=False)
 class SolidBody:
-    """A quarter of a body, symmetric about the planes at 0 and 90 degrees.
+    """A quarter or a half of a body, symmetric about the planes at its ends.
 
     Parameters
     ----------
@@ -34,13 +35,15 @@ class SolidBody:
     section : SealMesh
         Both bodies' section.
     layers : int
-        Quadratic elements over the 90 degrees.
+        Quadratic elements over the span.
     deviation : float
         A [m] of its contact face, which lies higher along the contact normal by A cos(2 phi).
     higher : float
         By how much all of it stands higher than in first touch [m].
     first_node, first_element : int
         Numbers of its first node and element.
+    span : float
+        pi/2 or pi [rad].
     """
 
     name: str
@@ -50,6 +53,7 @@ class SolidBody:
     higher: float
     first_node: int
     first_element: int
+    span: float = math.pi / 2
 
     @cached_property
     def cells(self) -> list[Cells]:
@@ -59,7 +63,7 @@ class SolidBody:
     @cached_property
     def angle(self) -> FloatArray:
         """Angles of the planes of nodes [rad], shape (2 layers + 1,); each second one is between the corners."""
-        return np.linspace(0.0, math.pi / 2, 2 * self.layers + 1)
+        return np.linspace(0.0, self.span, 2 * self.layers + 1)
 
     @cached_property
     def number(self) -> IntArray:
@@ -144,30 +148,38 @@ class SolidBody:
 
 @dataclass(frozen=True)
 class SolidSeal:
-    """A quarter of the seal."""
+    """A quarter or a half of the seal."""
 
     closure: SolidBody
     seat: SolidBody
 
     @classmethod
-    def of(cls, section: SealMesh, layers: int, deviation: float, way_down: float) -> SolidSeal:
+    def of(
+        cls,
+        section: SealMesh,
+        layers: int,
+        deviation: float,
+        way_down: float,
+        span: float = math.pi / 2,
+    ) -> SolidSeal:
         """Turn a section about the axis.
 
         Parameters
         ----------
         section : SealMesh
         layers : int
-            Quadratic elements over the 90 degrees.
+            Quadratic elements over the span.
         deviation : float
             A [m] of the seat's face, which lies higher along its normal by A cos(2 phi).
         way_down : float
             By how much the closure starts below first touch along the normal [m].
+        span : float
+            pi/2 or pi [rad].
         """
         motion = -way_down / math.cos(section.contact.angle)
-        closure = SolidBody("closure", section, layers, 0.0, motion, 1, 1)
-        seat = SolidBody(
-            "seat", section, layers, deviation, 0.0, int(closure.number.max()) + 1, closure.end_element
-        )
+        closure = SolidBody("closure", section, layers, 0.0, motion, 1, 1, span)
+        first_node = int(closure.number.max()) + 1
+        seat = SolidBody("seat", section, layers, deviation, 0.0, first_node, closure.end_element, span)
         return cls(closure, seat)
 
     @property
@@ -182,6 +194,7 @@ def solid_deck(
     law: ExponentialLaw,
     axial_force: float,
     tolerance: float,
+    moment: float = 0.0,
 ) -> str:
     """Deck that presses the closure into the seat.
 
@@ -195,6 +208,8 @@ def solid_deck(
         Of the whole seal [N].
     tolerance : float
         Relative residual force and correction at which the iteration stops.
+    moment : float
+        Of the load on the closure's top [N m]; it presses at 0 degrees, and needs a half of the seal.
     """
     return "\n".join(
         [
@@ -209,7 +224,7 @@ def solid_deck(
             *_bodies(seal, materials),
             *_contact(seal, law),
             *_supports(seal),
-            *_step(seal, axial_force, tolerance),
+            *_step(seal, axial_force, tolerance, moment),
             "",
         ]
     )
@@ -249,24 +264,42 @@ def _contact(seal: SolidSeal, law: ExponentialLaw) -> Iterator[str]:
 
 
 def _supports(seal: SolidSeal) -> Iterator[str]:
-    """Symmetry in both planes and on the axis where they meet, and the seat's bottom held axially."""
-    at_0, at_90 = (np.concatenate([body.number[end] for body in seal.bodies]) for end in (0, -1))
+    """Symmetry in both planes and on the axis where they meet, and the seat's bottom held axially.
+
+    Halves could slide along their plane; a node of each holds them, where it moves by nothing else.
+    """
+    start, end = (np.concatenate([body.number[plane] for body in seal.bodies]) for plane in (0, -1))
     bottom = seal.seat.number[:, seal.seat.boundary_nodes("bottom")]
-    for name, numbers in (("at_0", at_0), ("at_90", at_90), ("bottom", bottom)):
+    is_half = seal.seat.span > 3.0
+    top = seal.closure.number[:, seal.closure.boundary_nodes("top")]
+    held = np.array([body.number[body.layers, body.boundary_nodes("contact")[0]] for body in seal.bodies])
+    for name, numbers in (
+        ("start", start),
+        ("end", end),
+        ("bottom", bottom),
+        ("top", top),
+        ("held", held),
+    ):
         yield f"*NSET, NSET={name}"
         yield from (str(n) for n in np.unique(numbers[numbers > 0]))
-    yield from ("*BOUNDARY", "at_0,2,2", "at_90,1,1", "bottom,3,3")
+    yield from ("*BOUNDARY", "start,2,2", "bottom,3,3")
+    yield from ("end,2,2", "held,1,1") if is_half else ("end,1,1",)
 
 
-def _step(seal: SolidSeal, axial_force: float, tolerance: float) -> Iterator[str]:
-    mesh = seal.closure.section.mesh
-    facets = mesh.boundaries["closure_top"]
-    area = np.pi * 1e6 * float(np.abs(np.diff(mesh.p[0, mesh.facets[:, facets]] ** 2, axis=0)).sum())
+def _step(seal: SolidSeal, axial_force: float, tolerance: float, moment: float) -> Iterator[str]:
+    mesh, closure = seal.closure.section.mesh, seal.closure
+    radii = np.sort(1e3 * mesh.p[0, mesh.facets[:, mesh.boundaries["closure_top"]]], axis=0)
+    even = axial_force / (math.pi * float(np.diff(radii**2, axis=0).sum()))
+    # what waves is as large as it is in the middle of each face: 2 sum cos(middle) (sin(end) - sin(start)) r^3/3
+    wave = np.cos(closure.angle[1::2])
+    lever = 2.0 / 3.0 * float(np.diff(radii**3, axis=0).sum() * (wave @ np.diff(np.sin(closure.angle[::2]))))
+    pressures = even + 1e3 * moment / lever * wave
     yield from ("*STEP, INC=200", "*STATIC", "1.,1.")
     yield from ("*CONTROLS, PARAMETERS=FIELD", f"{tolerance:g},{tolerance:g}")
     yield "*DLOAD"
-    for element, face in seal.closure.faces("top"):
-        yield f"{element},P{face},{axial_force / area:.12e}"
+    for k, (element, face) in enumerate(closure.faces("top")):
+        yield f"{element},P{face},{pressures[k % closure.layers]:.12e}"
     yield from ("*CONTACT FILE", "CDIS,CSTR", "*NODE PRINT, NSET=bottom, TOTALS=ONLY", "RF")
+    yield from ("*NODE PRINT, NSET=top", "U", "*NODE PRINT, NSET=held", "RF")
     yield from ("*CONTACT PRINT, SLAVE=closure_contact, MASTER=seat_contact", "CF")
     yield "*END STEP"

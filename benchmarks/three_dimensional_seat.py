@@ -169,25 +169,31 @@ def run_solid(
     force = expected_forces(problem)[-1]
     cost = calculix.run(solid_deck(seal, problem.materials, problem.law, force, TOLERANCE), 1, folder)
     (pressure,) = calculix.contact_pressures(folder / "seal.frd")
-    angle, line_load, peak = _compare_around(seal, pressure)
+    angle, line_load, peak = loads_around(seal, pressure)
     reaction = QUARTERS * float(calculix.total_forces(folder)[-1, 2])
     return SolidRun(angle, line_load, peak, int(seal.seat.number.max()), reaction / force - 1, cost)
 
 
-def _compare_around(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Angle, line load and peak pressure on the planes between the layers.
+def loads_around(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Angle, line load and peak pressure on the planes between the layers."""
+    contact = seal.closure.section.contact
+    points, p = corner_pressures(seal, pressure)
+    x = contact.coordinate(*points)
+    line_load = np.trapezoid(p * contact.radius(x) / contact.initial_contact_radius, x)
+    return seal.closure.angle[::2], line_load, p.max(axis=1)
+
+
+def corner_pressures(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, FloatArray]:
+    """Places (r, z) across the closure's face [m], and the pressure there on the planes between the layers [Pa].
 
     The pressure counts at the elements' corners; at the nodes between them CalculiX extrapolates it.
     """
     mesh, contact = seal.closure.section.mesh, seal.closure.section.contact
     vertices = np.unique(mesh.facets[:, mesh.boundaries["closure_contact"]])
-    x = contact.coordinate(*mesh.p[:, vertices])
-    order = np.argsort(x)
-    x, vertices = x[order], vertices[order]
+    vertices = vertices[np.argsort(contact.coordinate(*mesh.p[:, vertices]))]
     nodes = seal.closure.number[::2, vertices]
     p = np.array([[pressure.get(node - 1, 0.0) for node in plane] for plane in nodes.tolist()])
-    line_load = np.trapezoid(p * contact.radius(x) / contact.initial_contact_radius, x)
-    return seal.closure.angle[::2], line_load, p.max(axis=1)
+    return mesh.p[:, vertices], p
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +213,7 @@ class Comparison:
     def line_load(self, amplitude: float, angle: FloatArray) -> FloatArray:
         """Line load of fem-seal over its mean."""
         circumference = self.ours[amplitude]
-        return _at(circumference, circumference.line_load / circumference.local.mean.line_load, angle)
+        return at_angles(circumference, circumference.line_load / circumference.local.mean.line_load, angle)
 
     def differences(self, solid: Solid, amplitude: float) -> tuple[float, float]:
         """What CalculiX has more anywhere: of line load over its mean, of peak pressure over the largest one.
@@ -216,12 +222,12 @@ class Comparison:
         """
         theirs, ours = self.theirs[solid][amplitude], self.ours[amplitude]
         load = theirs.over_mean - self.line_load(amplitude, theirs.angle)
-        mine = _at(ours, ours.peak_pressure, theirs.angle)
+        mine = at_angles(ours, ours.peak_pressure, theirs.angle)
         peak = theirs.peak_pressure * ours.local.mean.line_load / theirs.mean - mine
         return _largest(load), _largest(peak) / float(mine.max())
 
 
-def _at(circumference: Circumference, values: FloatArray, angle: FloatArray) -> FloatArray:
+def at_angles(circumference: Circumference, values: FloatArray, angle: FloatArray) -> FloatArray:
     """Values of fem-seal at other angles."""
     whole = np.append(circumference.angle, 2 * np.pi)
     return np.asarray(CubicSpline(whole, np.append(values, values[0]), bc_type="periodic")(angle))
@@ -346,6 +352,7 @@ def page(version: str, comparison: Comparison) -> str:
             ),
         ),
         _cost(comparison, amplitudes),
+        "```{include} ../../benchmarks/calculix_around.md\n:heading-offset: 1\n```",
     ]
     return "\n\n".join(parts) + "\n"
 
