@@ -147,8 +147,10 @@ class Experiment:
     @property
     def theories(self) -> tuple[str, ...]:
         """Those that predict it: of turned faces that of their crests, else both of the rough contact."""
-        faces = [face for face in self.case.get("roughness", {}).values() if isinstance(face, Mapping)]
-        return ("turned",) if any("feed" in face for face in faces) else ("corrected", "paper")
+        faces = self.case.get("roughness", {}).values()
+        turned = any("feed" in face for face in faces if isinstance(face, Mapping))
+        from_drawing = any(face.startswith("turned") for face in faces if isinstance(face, str))
+        return ("turned",) if turned or from_drawing else ("corrected", "paper")
 
     def corners(self) -> list[dict[str, Any]]:
         """Changes of the case: every combination within each table of scenarios; a single empty one without tables."""
