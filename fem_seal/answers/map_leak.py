@@ -20,7 +20,7 @@ from fem_seal.seal.load_result import DiscretisationError, GivenContact, LoadRes
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.surface_profile import Face, SurfaceLeak, SurfaceProfile
 from fem_seal.validity.checks import profile_validity
-from leak import ContactSurface, LeakError
+from leak import ContactSurface, LeakError, RoughContact
 
 # Fewest nodes across a contact; share of the peak below which it does not count as pressed.
 _FEWEST_NODES, _PRESSED = 6.0, 1e-3
@@ -107,7 +107,7 @@ def leak_of_map(problem: SealProblem, found: PressureMap, face: Face) -> tuple[l
     refuse_far_too_weak(problem, peaks.tolist(), pressures)
     rough = LeakModel(surface, flow, GivenPressures(others=tuple(peaks[peaks > 0.0].tolist())))
     assert rough.table is not None  # it has a fluid
-    has_lay = getattr(surface, "peklenik", None) != 1.0
+    has_lay = not isinstance(surface, RoughContact) or surface.peklenik != 1.0
     loads, remarks = list[LoadResult](), [problem_of("map_isotropic")] if has_lay else []
     for number, step in enumerate(found.steps):
         opening = None if found.gap is None else found.gap[number]

@@ -296,30 +296,6 @@ class Several(Entry):
         return {"anyOf": [self.element._schema, _list_of(self.element)]}
 
 
-@dataclass(frozen=True)
-class Box(Entry):
-    """A box in space: x, y and z from and to; six lengths [m] after reading."""
-
-    element: Quantity
-
-    @property
-    def range(self) -> str:
-        """Allowed range, for messages and docs."""
-        return f"[x from, x to, y from, y to, z from, z to], each {self.element.range}"
-
-    def read(self, value: object) -> tuple[float, ...]:
-        """The six lengths; ValueError says what is wrong."""
-        if not isinstance(value, (list, tuple)) or len(value) != 6:
-            raise ValueError(
-                'must be six lengths, ["0 mm", "10 mm", ...]: x from, x to, y from, y to, z from, z to'
-            )
-        return _read_each(self.element, value)
-
-    @property
-    def _schema(self) -> dict[str, Any]:
-        return _list_of(self.element, 6, 6)
-
-
 class Pressures(Several):
     """One pressure, a list of pressures, or a range ``{ start, stop, num, spacing }``; a tuple [Pa]."""
 

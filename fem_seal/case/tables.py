@@ -18,7 +18,6 @@ from fem_seal.case.bolts import BoltsTable
 from fem_seal.case.drawn import ClosureProfile, GasketProfile, SeatProfile
 from fem_seal.case.fields import (
     RATES,
-    Box,
     Bubbles,
     Chamber,
     Drops,
@@ -161,11 +160,12 @@ class MapPart(Table):
 
     field: str | None = None
     value: float | int | None = None
-    box: Annotated[tuple[float, ...], Box(Quantity("length", "-100 m", "100 m"))] | None = None
+    box: Annotated[tuple[float, ...], Several(Quantity("length", "-100 m", "100 m"))] | None = None
 
     @model_validator(mode="after")
     def _one(self) -> MapPart:
-        if ((self.field is None) is not (self.value is None)) or ((self.field is None) is (self.box is None)):
+        missing = (self.field, self.value).count(None)
+        if (missing, 0 if self.box is None else len(self.box)) not in {(0, 0), (2, 6)}:
             raise ValueError(problem("map_part"))
         return self
 

@@ -33,6 +33,9 @@ _OF_SOLVING: Mapping[str, frozenset[str]] = {
     "ContactModel": frozenset({"compliance", "harmonics"}),
     "YieldingBody": frozenset({"_dissected_body", "solid"}),
     "ElastoplasticContact": frozenset({"linear", "states", "unloading_model"}),
+    # of a map what is calculated again at once
+    "ContactSurface": frozenset({"edges", "lengths", "normals", "areas", "slopes", "loops"}),
+    "Face": frozenset({"across", "rows"}),
 }
 _FIELDS = frozenset({"fields", "displacements"})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from leak.flow.leak_rate import Permeant
 
 # Points of a profile across a mesh without rows, and places across that are one.
-_MOST_ROWS, _FEWEST_IN_ROW, _SAME_ROW = 200, 8, 1e-6
+_MOST_ROWS, _FEWEST_ROWS, _FEWEST_IN_ROW, _SAME_ROW = 200, 5, 8, 1e-6
 # Share of the mean flow that counts everywhere, so that every place has a mean.
 _LEAST_FLOW = 1e-9
 
@@ -87,16 +88,14 @@ class Face:
     @cached_property
     def rows(self) -> tuple[IntArray, int]:
         """The row across of each point, -1 of none, and how many there are: of the mesh, or of as many points each."""
-        rows, order = np.full(len(self.across), -1), np.argsort(self.across)
-        order = order[np.isfinite(self.across[order])]
-        steps = np.diff(self.across[order], prepend=-1.0) > _SAME_ROW
-        count = int(steps.sum())
-        if count > _MOST_ROWS or count > len(order) / _FEWEST_IN_ROW:
-            count = max(min(_MOST_ROWS, len(order) // _FEWEST_IN_ROW), 5)
-            rows[order] = np.arange(len(order)) * count // len(order)
-        else:
-            rows[order] = np.cumsum(steps) - 1
-        return rows, count
+        known = np.isfinite(self.across)
+        places, rows = np.round(self.across[known] / _SAME_ROW), np.full(len(known), -1)
+        begins = np.unique(places)
+        if len(begins) > min(_MOST_ROWS, len(places) / _FEWEST_IN_ROW):
+            count = max(min(_MOST_ROWS, len(places) // _FEWEST_IN_ROW), _FEWEST_ROWS)
+            begins = np.unique(np.sort(places)[:: math.ceil(len(places) / count)])
+        rows[known] = np.searchsorted(begins, places, side="right") - 1
+        return rows, len(begins)
 
     def mean_across(self, values: FloatArray, weights: FloatArray) -> FloatArray:
         """Means over the rows, shape (rows,); nan where none of a row is known."""

@@ -131,6 +131,7 @@ def test_the_functions_that_take_a_case_are_known():
         "direct_seal",
         "derive",
         "leak_map",
+        "leak_of_pressure_map",
         "applied_force_for_leak",
         "blow_off_pressures",
         "calibrate",
@@ -144,13 +145,14 @@ def test_what_takes_a_case_takes_its_file_and_its_tables(name, tmp_path):
     path = tmp_path / "case.toml"
     path.write_text('[closure]\nshape = "ball"\n', encoding="utf-8")
     more = ["measured.csv"] if name == "calibrate" else []
+    before = ["map.vtu"] if name == "leak_of_pressure_map" else []
     for source in (path, str(path), tables):
         with pytest.raises(fem_seal.InputError, match=r"closure\.radius: is missing"):
-            getattr(fem_seal, name)(source, *more)
+            getattr(fem_seal, name)(*before, source, *more)
     with pytest.raises(
         fem_seal.InputError, match="must be a Case, the path of a case file or its tables, not int"
     ):
-        getattr(fem_seal, name)(3, *more)
+        getattr(fem_seal, name)(*before, 3, *more)
 
 
 def test_a_file_and_a_case_of_it_give_the_same():

@@ -159,8 +159,33 @@ def test_steps_and_uneven_pressure(tmp_path: Path) -> None:
     assert table["leak_rate_m3_per_s"][3] == pytest.approx(np.mean(at_angles), rel=0.01)
     assert 0.12 < table["worst_tenth_share"][3] < 0.2
     assert (table["error"] < 0.05).all()
+    # what the profile stands for: other surfaces leak over the map as much more than through it
+    share, other = (
+        load.whole_profile.share for load in (found.loads[3], found.loads[3].scenarios["elastic"])
+    )
+    assert share == pytest.approx(other, rel=0.01)
     assert (table["leak_rate_low_m3_per_s"] < table["leak_rate_m3_per_s"]).all()
     assert (table["leak_rate_high_m3_per_s"] > table["leak_rate_m3_per_s"]).all()
+
+
+def test_files_of_the_recipes(tmp_path: Path) -> None:
+    """A field report of Abaqus, a list of Ansys and a mesh of Code_Aster leak like the same mesh."""
+    pressure = np.repeat(P, 90)
+    expected = fem_seal.leak_of_pressure_map(ring_file(tmp_path, pressure), TABLES | INNER, **UNITS)
+    rows = np.column_stack([np.arange(1.0, len(FLAT) + 1.0), 1e3 * FLAT, pressure])
+    abaqus, ansys, aster = (tmp_path / name for name in ("abaqus.rpt", "ansys.txt", "aster.med"))
+    np.savetxt(abaqus, rows, header="Node Label  COORD.COOR1  COORD.COOR2  COORD.COOR3  CPRESS", comments="")
+    places = "X Location (mm)\tY Location (mm)\tZ Location (mm)\tPressure (MPa)"
+    np.savetxt(ansys, rows, delimiter="\t", header=f"Node Number\t{places}", comments="")
+    meshio.Mesh(1e3 * FLAT, [("triangle", TRIANGLES)], point_data={"LAGS_C": -pressure}).write(aster)
+    for file, options in ((abaqus, UNITS), (ansys, {}), (aster, UNITS | {"field": "LAGS_C"})):
+        found = fem_seal.leak_of_pressure_map(file, TABLES | INNER, **options)
+        assert found["leak_rate"][0] == pytest.approx(expected["leak_rate"][0], rel=5e-3)
+    mesh = fem_seal.leak_of_pressure_map(expected.mesh, TABLES | INNER, length_unit="m")
+    assert mesh["leak_rate"][0] == pytest.approx(expected["leak_rate"][0], rel=1e-6)
+    assert [axes.get_title(loc="left") for axes in expected.plot().axes][1] == "Where it leaks"
+    expected.write(tmp_path / "out")
+    assert (tmp_path / "out" / "pressure_map_000.vtu").is_file()
 
 
 def checker() -> FloatArray:
