@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -652,12 +652,10 @@ class ElastoplasticContact(ContactSolution):
     flattening: Mapping[str, Flattening] = field(default_factory=dict, repr=False)
 
     @property
-    def strain(self) -> FloatArray:
+    def strain(self) -> FloatArray | None:
         """See `ContactSolution.strain`; that of bodies that yield along the whole path."""
-        strain = self._elastic_strain(self.model.bodies.keys() - self.flattening.keys())
-        for flattening in self.flattening.values():
-            strain = larger_strain(strain, flattening.strain)
-        return strain
+        strains = [flattening.strain for flattening in self.flattening.values()]
+        return reduce(larger_strain, strains) if strains else None
 
     @property
     def flowing_body(self) -> str:

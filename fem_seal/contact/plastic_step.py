@@ -222,8 +222,8 @@ class Flattening:
     """What the strain of a body on its path flattens of the asperities on its face, which sink while it flows.
 
     By `leak.theory.bulk_flow` the area that touches grows with the strain times the pressure under which it comes. All
-    plastic strain counts, whichever way it goes; elastic strain comes back, and half of it counts, as it rises with the
-    pressure.
+    plastic strain counts, whichever way it goes; elastic strain comes back, and half of it is added, as it
+    rises with the pressure.
 
     Parameters
     ----------
@@ -269,7 +269,8 @@ class Flattening:
         """Strain that flattens as much at the highest pressure, shape (m, 2) [-]."""
         net = self.net + self.elastic
         over = strain_size(net) * self.highest
-        size = self.length + strain_size(self.elastic)
+        # whichever way the metal goes, all of its way counts
+        size = np.maximum(strain_size(net) + self.length - strain_size(self.net), 0.0)
         return net * np.divide(size, over, out=np.zeros_like(over), where=over > 0)[:, None]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -204,34 +204,19 @@ class ContactSolution:
         return self.model.line_load(self.contact_force)
 
     @property
-    def strain(self) -> FloatArray:
+    def strain(self) -> FloatArray | None:
         """Strain of the metal under the faces that flattens asperities, along the faces and around the axis [-].
 
         That of the body that is strained more, each part of it counted with the pressure under which it came, over the
-        highest pressure that the place has carried: int p d(strain)/p_max. Of bodies that do not yield the surface of a
-        half-space along a line contact, which is strained by -(1 + nu)(1 - 2 nu) p/E along its face.
+        highest pressure that the place has carried: int p d(strain)/p_max. None for bodies that do not yield, whose
+        strain changes the flow by some per cent either way.
 
         Returns
         -------
-        ndarray, shape (m, 2)
+        ndarray, shape (m, 2), or None
             At the points of the contact line.
-
-        References
-        ----------
-        K. L. Johnson, Contact Mechanics (1985), sec. 2.5, for the stress at the surface, which is -p along it.
         """
-        return self._elastic_strain(self.model.bodies)
-
-    def _elastic_strain(self, names: Iterable[str]) -> FloatArray:
-        pressure = self.pressure if self.largest is None else np.maximum(self.pressure, self.largest)
-        materials = [self.model.bodies[name].material for name in names]
-        strains = [
-            (1 + material.poissons_ratio) * (1 - 2 * material.poissons_ratio) / material.youngs_modulus
-            for material in materials
-        ]
-        # it rises with the pressure, so that half of it counts
-        along = -0.5 * max(strains, default=0.0) * pressure
-        return np.stack([along, np.zeros_like(along)], axis=1)
+        return None
 
     @cached_property
     def profiles(self) -> tuple[PressureProfile, ...]:
@@ -240,7 +225,9 @@ class ContactSolution:
 
         def profile_on(land: slice, reach: tuple[float | None, float | None]) -> PressureProfile:
             points = line.x[land], line.radius[land], self.pressure[land], self.gap[land]
-            profile = PressureProfile(*points, line.arc_weight[land], reach, strain=strain[land])
+            profile = PressureProfile(*points, line.arc_weight[land], reach)
+            if strain is not None:
+                profile = replace(profile, strain=strain[land])
             return profile if self.largest is None else profile.after(self.largest[land])
 
         return tuple(profile_on(land, reach) for land, reach in line.lands)
