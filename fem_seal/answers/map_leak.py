@@ -18,7 +18,7 @@ from fem_seal.files import problem as problem_of
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import DiscretisationError, GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.surface_profile import Face, SurfaceLeak, SurfaceProfile
+from fem_seal.seal.surface_profile import MapFace, SurfaceLeak, SurfaceProfile
 from fem_seal.validity.checks import profile_validity
 from leak import ContactSurface, LeakError, RoughContact
 
@@ -30,7 +30,7 @@ _ALTERNATES, _JUMPS = -0.5, 0.05
 _OFF = 0.2
 
 
-def face_of(found: PressureMap, case: Case) -> Face:
+def face_of(found: PressureMap, case: Case) -> MapFace:
     """The surface of a map and where the fluid stands.
 
     Parameters
@@ -62,7 +62,7 @@ def face_of(found: PressureMap, case: Case) -> Face:
                 np.flatnonzero(surface.edges.on_boundary), surface.open_edges(given | wall)
             )
         sides = {name: surface.edges.ends[ends].ravel() for name, ends in edges.items()}
-        return Face(surface, *surface.sides(**sides, pressure_side=side), side == "outer")
+        return MapFace(surface, *surface.sides(**sides, pressure_side=side), side == "outer")
     except LeakError as error:
         raise InputError(problem_of("map_edge", why=str(error)), file=case.file) from None
 
@@ -78,14 +78,16 @@ def _part(found: PressureMap, name: str, part: str | MapPart, case: Case) -> Boo
     return found.parts[key]
 
 
-def leak_of_map(problem: SealProblem, found: PressureMap, face: Face) -> tuple[list[CaseLoad], list[Problem]]:
+def leak_of_map(
+    problem: SealProblem, found: PressureMap, face: MapFace
+) -> tuple[list[CaseLoad], list[Problem]]:
     """Leak rates of a map with the surface and the fluid of a problem: every fluid pressure for every step.
 
     Parameters
     ----------
     problem : SealProblem
     found : PressureMap
-    face : Face
+    face : MapFace
 
     Returns
     -------
@@ -144,13 +146,13 @@ def _solved(load: CaseLoad) -> CaseLoad:
 # --- what is said against a map -------------------------------------------------------------------------------
 
 
-def remarks_of_map(found: PressureMap, face: Face, case: Case) -> Iterator[Problem]:
+def remarks_of_map(found: PressureMap, face: MapFace, case: Case) -> Iterator[Problem]:
     """What makes the pressures of a map doubtful, each for the first step of which it is true.
 
     Parameters
     ----------
     found : PressureMap
-    face : Face
+    face : MapFace
     case : Case
     """
     checks = (_few_nodes, _oscillates, partial(_force, case=case))
@@ -160,7 +162,7 @@ def remarks_of_map(found: PressureMap, face: Face, case: Case) -> Iterator[Probl
         yield from [each for each in said if each is not None][:1]
 
 
-def _few_nodes(face: Face, pressure: FloatArray, step: str) -> Problem | None:
+def _few_nodes(face: MapFace, pressure: FloatArray, step: str) -> Problem | None:
     """A mesh too coarse across the contact."""
     i, j = _edges_across(face).T
     pressed = np.minimum(pressure[i], pressure[j]) > _PRESSED * pressure.max()
@@ -171,14 +173,14 @@ def _few_nodes(face: Face, pressure: FloatArray, step: str) -> Problem | None:
     return problem_of("map_few_nodes", step=step, nodes=nodes) if nodes < _FEWEST_NODES else None
 
 
-def _edges_across(face: Face) -> IntArray:
+def _edges_across(face: MapFace) -> IntArray:
     """Ends of the edges that lead from side to side rather than along."""
     ends = face.surface.edges.ends
     rise = np.abs(face.across[ends[:, 0]] - face.across[ends[:, 1]])
     return np.asarray(ends[face.width * rise > 0.7 * face.surface.lengths])
 
 
-def _oscillates(face: Face, pressure: FloatArray, step: str) -> Problem | None:
+def _oscillates(face: MapFace, pressure: FloatArray, step: str) -> Problem | None:
     """Pressures that alternate from node to node, along the sides or across."""
     n, ends = len(pressure), face.surface.edges.ends
     i, j = ends.T
@@ -194,7 +196,7 @@ def _oscillates(face: Face, pressure: FloatArray, step: str) -> Problem | None:
     return None
 
 
-def _force(face: Face, pressure: FloatArray, step: str, *, case: Case) -> Problem | None:
+def _force(face: MapFace, pressure: FloatArray, step: str, *, case: Case) -> Problem | None:
     """A ring that does not carry the force of the case along its axis."""
     surface, load = face.surface, case.load
     if "applied_force" not in load.model_fields_set or len(surface.loops) != 2 or case.map is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from fem_seal.output.pictures import style
 from fem_seal.output.vtk import write_cells, write_loads
 from fem_seal.seal.load_result import load_name
-from fem_seal.seal.surface_profile import Face, SurfaceLeak, SurfaceProfile
+from fem_seal.seal.surface_profile import MapFace, SurfaceLeak, SurfaceProfile
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -122,7 +122,7 @@ def draw_map(axes: Axes, result: SealSolution, *, of_flow: bool = True) -> None:
     style.label(axes, title, *names)
 
 
-def _in_plane(face: Face, result: SealSolution) -> tuple[FloatArray, tuple[str, str]]:
+def _in_plane(face: MapFace, result: SealSolution) -> tuple[FloatArray, tuple[str, str]]:
     """Places of the points on the paper, and names of both directions."""
     surface, display = face.surface, result.display
     if len(surface.loops) == 2:

@@ -35,7 +35,7 @@ _OF_SOLVING: Mapping[str, frozenset[str]] = {
     "ElastoplasticContact": frozenset({"linear", "states", "unloading_model"}),
     # of a map what is calculated again at once
     "ContactSurface": frozenset({"edges", "lengths", "normals", "areas", "slopes", "loops"}),
-    "Face": frozenset({"across", "rows"}),
+    "MapFace": frozenset({"across", "rows"}),
 }
 _FIELDS = frozenset({"fields", "displacements"})
 

@@ -25,7 +25,7 @@ _LEAST_FLOW = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
+class MapFace:
     """A surface between the sides at which fluid stands; what all steps and fluid pressures share.
 
     Parameters
@@ -151,7 +151,7 @@ class SurfaceProfile(PressureProfile):
 
     Parameters
     ----------
-    face : Face
+    face : MapFace
     field : ndarray, shape (n,)
         Contact pressure at its points [Pa].
     opening : ndarray, shape (n,), or None
@@ -161,14 +161,14 @@ class SurfaceProfile(PressureProfile):
         stands for it. None: the flow over the surface is calculated.
     """
 
-    face: Face
+    face: MapFace
     field: FloatArray
     opening: FloatArray | None = None
     share: float | None = None
 
     @classmethod
     def of(
-        cls, face: Face, field: FloatArray, opening: FloatArray | None, flux: FloatArray | None = None
+        cls, face: MapFace, field: FloatArray, opening: FloatArray | None, flux: FloatArray | None = None
     ) -> SurfaceProfile:
         """With means of the pressure along the sides, of places that let more through more.
 

@@ -152,3 +152,17 @@ def test_half_a_file_is_refused(folder, tmp_path):
     (tmp_path / stored.FILE).write_bytes(whole[: len(whole) // 2])
     with pytest.raises(ValueError, match="cannot be read"):
         stored.read_result(tmp_path)
+
+
+def test_what_is_left_out_has_a_name_of_its_own():
+    """By the name of a class alone it would be left out of others, too."""
+    root = Path(stored.__file__).parents[2]
+    texts = [
+        file.read_text("utf-8")
+        for name in ("fem_seal", "leak", "meshes")
+        for file in (root / name).rglob("*.py")
+    ]
+    for name in stored._OF_SOLVING:
+        assert sum(len(re.findall(rf"^class {name}\b", text, flags=re.MULTILINE)) for text in texts) == 1, (
+            name
+        )
