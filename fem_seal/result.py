@@ -326,7 +326,7 @@ def leak_of_pressure_map(
     Returns
     -------
     SealResult
-        `table` has a row for each step and fluid pressure, `mesh` what flows where; there are no bodies.
+        Its `table` has a row for each step and fluid pressure, its mesh says what flows where; there are no bodies.
 
     Raises
     ------

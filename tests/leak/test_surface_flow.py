@@ -187,7 +187,7 @@ def test_gas_from_the_continuum_to_free_molecules(gas, inlet, outlet):
 
 
 @pytest.mark.parametrize("sigma", [lambda p: S * (1e6 / (p + 1e3)) ** 3, lambda p: S * np.exp(-p / 3e6)])
-@pytest.mark.parametrize("turn", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("turn", [0.0, *(pytest.param(turn, marks=pytest.mark.slow) for turn in (0.4, 1.0))])
 def test_six_decades_over_three_elements(sigma, turn):
     """In any direction to the flow and the mesh, smooth or with kinks: the error is stated and kept."""
     fields = (

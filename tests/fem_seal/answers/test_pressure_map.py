@@ -138,6 +138,7 @@ def test_strip_with_named_sides_leaks_like_the_ring(tmp_path: Path) -> None:
         assert found.loads[0].leak.leak_rate == pytest.approx(of_ring.loads[0].leak.leak_rate, rel=0.01)
 
 
+@pytest.mark.slow
 def test_steps_and_uneven_pressure(tmp_path: Path) -> None:
     """Pressure that varies around a narrow ring: each angle leaks by itself; the interval holds the other theory."""
     turn = 2.0 * np.pi * np.arange(90) / 90
