@@ -307,7 +307,7 @@ def leak_of_pressure_map(
 
     Parameters
     ----------
-    source : path or mesh
+    source : str, pathlib.Path, pyvista.DataSet or meshio.Mesh
         A mesh with the contact pressure on its points or cells (VTK, gmsh, MED, XDMF, Exodus), a table of points, or
         a mesh of pyvista or meshio.
     case : Case, path or mapping
