@@ -43,6 +43,7 @@ from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem, problems_of, under_loads
 from fem_seal.seal.scenarios import SCENARIOS
+from fem_seal.wording import Quantity
 from leak import LeakError, RoughContact
 
 # All that is asked of a solved seal, each after those whose answers it uses.
@@ -186,6 +187,11 @@ def solve_map(case: Case, found: PressureMap, progress: Progress | None = None) 
     with clock.step("leak", "flow conductivity and leak rates"):
         loads, remarks = leak_of_map(problem, found, face)
     remarks += remarks_of_map(found, face, case)
+    means = (
+        "peak pressure, width and profile are means across the face, of the places where most flows; the highest "
+        f"pressure of the map is {Quantity(float(found.pressure.max()), 'contact pressure')}"
+    )
+    found = replace(found, remark="; ".join(filter(None, (found.remark, means))))
     return _of_given(case, problem, loads, clock, steps, [found], remarks)
 
 

@@ -502,8 +502,8 @@ def _place_results(tables: dict[str, Any], path: Path) -> None:
 
 
 def _is_bare(table: object) -> bool:
-    """Whether nothing but a material stands in the table of a body."""
-    return isinstance(table, Mapping) and table.keys() == {"material"}
+    """Whether nothing but a material stands in the table of a body, or is to stand there."""
+    return isinstance(table, Mapping) and table.keys() <= {"material"}
 
 
 def _named_files(entry: Any, name: str = "") -> Iterator[str]:

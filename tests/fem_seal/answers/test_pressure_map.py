@@ -238,6 +238,21 @@ def test_a_case_without_shapes_is_for_maps_alone(tmp_path: Path) -> None:
     assert fem_seal.load_case(TABLES).replace({"fluid.name": "helium"}).fluid.name == "helium"
 
 
+def test_a_case_without_shapes_misses_its_material() -> None:
+    with pytest.raises(InputError, match=r"seat\.material: is missing") as error:
+        fem_seal.Case(**TABLES | {"seat": {}})
+    assert "shape" not in str(error.value)
+
+
+def test_peak_of_the_mean_is_not_taken_for_the_peak_of_the_map(tmp_path: Path) -> None:
+    turn = 2.0 * np.pi * np.arange(90) / 90
+    uneven = np.outer(P, 1.0 + 0.5 * np.cos(turn)).ravel()
+    result = fem_seal.leak_of_pressure_map(ring_file(tmp_path, uneven), TABLES, **UNITS)
+    (remark,) = {found.remark for found in result.answers["profiles"]}
+    assert result.loads[0].peak_pressure < 0.8 * 150e6
+    assert remark.endswith("the highest pressure of the map is 150 MPa")
+
+
 def test_command(tmp_path: Path) -> None:
     case = tmp_path / "strip.toml"
     case.write_text(
