@@ -199,14 +199,15 @@ class PressureProfile:
         return replace(self, strain=None, parts=tuple(part.without_strain for part in self.parts))
 
     def surface_at_peak(self, surface: RoughContact) -> RoughContact:
-        """A surface over metal that is strained as at the peak; itself where its theory knows of no strain.
+        """A surface over metal that is strained as at the peak; itself without, or where its theory knows of none.
 
         Parameters
         ----------
         surface : RoughContact
         """
-        knows = surface.hardness is not None and surface.knows_deviation
-        return surface.strained(*self.peak_strain) if knows else surface
+        if self.strain is None or surface.hardness is None or not surface.knows_deviation:
+            return surface
+        return surface.strained(*self.peak_strain)
 
     def equivalent(self, table: RemembersLoad, surface: FaceContact) -> PressureProfile:
         """Profile of new faces over metal that is not strained which lets as much through at every point.

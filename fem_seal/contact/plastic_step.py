@@ -222,8 +222,8 @@ class Flattening:
     """What the strain of a body on its path flattens of the asperities on its face, which sink while it flows.
 
     By `leak.theory.bulk_flow` the area that touches grows with the strain times the pressure under which it comes. All
-    plastic strain counts, whichever way it goes; elastic strain comes back, and half of it is added, as it
-    rises with the pressure.
+    plastic strain counts, whichever way it goes; elastic strain comes back, and half of it is added, as it rises with
+    the pressure.
 
     Parameters
     ----------
