@@ -18,8 +18,6 @@ from fem_seal.wording import Quantity, Words
 
 # Where the numbers of a material hold unless a temperature is said [K].
 ROOM_TEMPERATURE = 293.15
-# Indentation hardness over the yield stress in tension of metal that no longer hardens.
-HARDNESS_OVER_YIELD_STRESS = 2.9
 _EXPANSION = "thermal_expansion"
 
 

@@ -30,11 +30,12 @@ from fem_seal.loads import (
     line_load,
     plastic_half_width,
 )
-from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
+from fem_seal.materials import HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.findings import not_calculated, sentence
 from fem_seal.seal.problem import SealProblem, exponential_law, problems_of, size_mesh
 from fem_seal.wording import Quantity, Words
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05

@@ -197,22 +197,33 @@ def _oscillates(face: MapFace, pressure: FloatArray, step: str) -> Problem | Non
 
 
 def _force(face: MapFace, pressure: FloatArray, step: str, *, case: Case) -> Problem | None:
-    """A ring that does not carry the force of the case along its axis."""
+    """A face that does not carry the force of the case along its axis."""
     surface, load = face.surface, case.load
-    if "applied_force" not in load.model_fields_set or len(surface.loops) != 2 or case.map is not None:
+    if "applied_force" not in load.model_fields_set:
         return None
-    loops = [0.5 * _cross_sum(surface.points[loop]) for loop in surface.loops]
-    areas = sorted(float(np.linalg.norm(loop)) for loop in loops)
-    axis = loops[0] / np.linalg.norm(loops[0])
+    axis = _vector_area(surface.points[surface.loops[0]])
     carried = float(pressure[surface.triangles].mean(axis=1) @ np.abs(surface.normals @ axis))
-    sign = 1.0 if load.pressure_side == "outer" else -1.0
-    ends = [force + sign * p * area for p, force in load.points for area in areas]
-    low, high = min(ends), max(ends)
-    if (1.0 - _OFF) * low <= carried <= (1.0 + _OFF) * high:
+    carried /= float(np.linalg.norm(axis))
+    high, low = (
+        sum(
+            float(np.linalg.norm(_vector_area(surface.points[loop])))
+            for loop in surface.loops
+            if side[loop].all()
+        )
+        for side in (face.high, face.low)
+    )
+    # what presses from the outside closes; of sides that are no closed lines only the size of the face is known
+    size = float(np.ptp(surface.points[np.unique(surface.triangles)], axis=0).max()) ** 2
+    areas = (
+        np.array([high, low] if high > low else [-high, -low]) if high and low else np.array([-size, size])
+    )
+    ends = [force + p * area for p, force in load.points for area in areas.tolist()]
+    least, most = min(ends), max(ends)
+    if (1.0 - _OFF) * least <= carried <= (1.0 + _OFF) * most:
         return None
-    return problem_of("map_force", step=step, carried=carried, low=low, high=high)
+    return problem_of("map_force", step=step, carried=carried, low=least, high=most)
 
 
-def _cross_sum(loop: FloatArray) -> FloatArray:
-    """Twice the vector area of a closed line."""
-    return np.asarray(np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0))
+def _vector_area(loop: FloatArray) -> FloatArray:
+    """Of a closed line [m^2]."""
+    return np.asarray(0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0))

@@ -20,7 +20,6 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError
 from fem_seal.files import problem
-from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.pieces import work
 from leak import DirectError, GasConductivityTable, LoadMemory, RoughContact, TurnedContact
@@ -41,6 +40,7 @@ from leak.direct import (
 from leak.flow.conductivity import AnyTable
 from leak.flow.turned_contact import FaceContact, calculated_table
 from leak.numerics.roots import bisect_roots
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 from leak.theory.plasticity import READINGS, Reading
 
 Branch = Literal["load", "unload", "cutoff"]

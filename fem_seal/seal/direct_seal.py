@@ -18,7 +18,6 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import Asperities
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.direct import LOAD_STEP, DirectSettings
 from fem_seal.seal.leak_model import FlowModel, log_peaks
@@ -27,6 +26,7 @@ from fem_seal.seal.pieces import work
 from fem_seal.seal.problem import SealProblem
 from leak import RoughContact
 from leak.direct import Strip, rest_gap
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 
 # Raised when a finished piece would come out differently.
 _VERSION = 1

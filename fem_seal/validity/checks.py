@@ -11,7 +11,6 @@ import numpy as np
 
 from fem_seal.contact.solution import PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
-from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.findings import (
     AGREE,
     EXACT,
@@ -35,6 +34,7 @@ from fem_seal.validity.materials import hardness_cautions, material_cautions
 from fem_seal.validity.turned import turned_cautions
 from fem_seal.wording import Quantity, Words
 from leak import ConductivityTable, RoughContact, TurnedContact
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, ROOM_TEMPERATURE, Material, in_degrees
+from fem_seal.materials import ROOM_TEMPERATURE, Material, in_degrees
 from fem_seal.seal.findings import Finding, Level, caution
 from fem_seal.seal.problem import SealProblem
 from fem_seal.wording import Quantity
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS
 
 # Distance of a temperature from the known range of a number above which it is reported, and above which the results
 # are doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.

@@ -59,7 +59,8 @@ class BulkFlowConstants(NamedTuple):
 
 BULK_FLOW = BulkFlowConstants()
 HARDNESS_OVER_YIELD_STRESS = 2.9
-"""Of a summit that elastic metal holds."""
+"""Indentation hardness over the yield stress in tension of metal that no longer hardens; so of a summit that elastic
+metal holds."""
 _POISSON = 0.3
 
 

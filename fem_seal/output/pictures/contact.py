@@ -16,6 +16,7 @@ from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.seal.load_result import LoadAxis, distinct_loads, load_axis, load_name
+from fem_seal.seal.surface_profile import SurfaceProfile
 from fem_seal.units import Unit
 from fem_seal.wording import say
 
@@ -73,7 +74,8 @@ def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture
         _against_closed_forms(
             display, view, loads[n], load_name(loads[n], loads, display), derived.loads[n], length
         )
-    words = ["start", "mean" if result.highest.circumference is not None else ""]
+    of_map = isinstance(result.highest.whole_profile, SurfaceProfile)
+    words = ["across" if of_map else "start", "mean" if result.highest.circumference is not None else ""]
     if not closed:
         words += [] if result.of_profile else ["conforming"]
     else:
