@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.surface_profile import MapFace, SurfaceLeak, SurfaceProfile
 from fem_seal.validity.checks import profile_validity
 from leak import ContactSurface, LeakError, RoughContact
+
+Load = TypeVar("Load", bound=LoadResult)
 
 # Fewest nodes across a contact; share of the peak below which it does not count as pressed.
 _FEWEST_NODES, _PRESSED = 6.0, 1e-3
@@ -112,35 +115,46 @@ def leak_of_map(
     has_lay = not isinstance(surface, RoughContact) or surface.peklenik != 1.0
     loads, remarks = list[LoadResult](), [problem_of("map_isotropic")] if has_lay else []
     for number, step in enumerate(found.steps):
-        opening = None if found.gap is None else found.gap[number]
-        profile = SurfaceProfile.of(face, found.pressure[number], opening)
+        field, opening = found.pressure[number], None if found.gap is None else found.gap[number]
+        bare = SurfaceProfile.of(face, field, opening)
         try:
-            # on the given triangles, for the places that let most through
-            flux = profile.flow(flow.permeant(rough.table, pressures[number][0]), tolerance=1e9).flux
+            # on the given triangles and as of a liquid, for the places that let most through
+            flux = bare.flow(flow.permeant(rough.table.liquid, pressures[number][0]), tolerance=1e9).flux
+            profile = SurfaceProfile.of(face, field, opening, flux)
+            leaks = [rough.leak(profile, pressure) for pressure in pressures[number]]
         except LeakError as error:
             remarks.append(problem_of("map_step", step=step, why=str(error)))
             continue
-        contact = GivenContact(SurfaceProfile.of(face, found.pressure[number], opening, flux), step)
-        loads += [LoadResult(pressure, 0.0, contact, rough) for pressure in pressures[number]]  # type: ignore[arg-type]
+        for pressure, found_leak in zip(pressures[number], leaks, strict=True):
+            load = LoadResult(pressure, 0.0, GivenContact(profile, step), rough)  # type: ignore[arg-type]
+            loads.append(_standing(load.with_values(leak=found_leak), None))
     if not loads:
         raise InputError(*remarks, file=problem.file)
-    solved = map(_solved, with_all_scenarios(problem, loads))
+    solved = map(_with_scenarios, with_all_scenarios(problem, loads))
     return [load.with_values(validity=profile_validity(problem, load)) for load in solved], remarks
 
 
-def _solved(load: CaseLoad) -> CaseLoad:
-    """A load and its scenarios with the flow over the surface; for all that follows from it stands its profile."""
+def _standing(load: Load, sealed: float | None) -> Load:
+    """A load whose profile stands for the surface in all that follows, with this share where nothing flows."""
     leak, rough, profile = load.leak, load.rough, load.whole_profile
-    assert isinstance(leak, SurfaceLeak) and isinstance(profile, SurfaceProfile)
-    assert rough is not None and isinstance(load.contact, GivenContact)
+    assert (
+        isinstance(profile, SurfaceProfile) and rough is not None and isinstance(load.contact, GivenContact)
+    )
+    if not isinstance(leak, SurfaceLeak):
+        return load
     across = rough.leak(profile.with_share(1.0), load.fluid_pressure)
     rates = leak.leak_rate, 0.0 if across is None else across.leak_rate
-    share = rates[0] / rates[1] if min(rates) > 0.0 else 1.0
+    share = rates[0] / rates[1] if min(rates) > 0.0 else sealed
     return load.with_values(
         contact=GivenContact(profile.with_share(share), load.contact.step),
-        scenarios={name: _solved(other) for name, other in load.scenarios.items()},
         mesh_error=DiscretisationError(0.0, 0.0, 0.0, leak.over.error),
     )
+
+
+def _with_scenarios(load: CaseLoad) -> CaseLoad:
+    """A load and its scenarios, whose flow over the surface was calculated where the load itself has none."""
+    others = {name: _with_scenarios(other) for name, other in load.scenarios.items()}
+    return _standing(load, 1.0).with_values(scenarios=others)
 
 
 # --- what is said against a map -------------------------------------------------------------------------------

@@ -195,7 +195,7 @@ class SurfaceProfile(PressureProfile):
         ends = float(x[0]), float(x[-1])
         return cls(x, radius, pressure, gap, arc_weight, ends, face=face, field=field, opening=opening)
 
-    def with_share(self, share: float) -> SurfaceProfile:
+    def with_share(self, share: float | None) -> SurfaceProfile:
         """The same where the profile stands for the surface, with the share of what leaks over it."""
         return replace(self, share=share)
 
