@@ -22,8 +22,11 @@ from typing import Any
 
 import numpy as np
 import punch_elements
+from scipy.special import erf
 
 import fem_seal
+import leak
+from leak.direct import PeriodicHalfSpace, press, press_elastoplastic
 from leak.flow.rarefied import poiseuille_flow_rate
 
 HERE = Path(__file__).resolve().parent
@@ -105,7 +108,49 @@ def knudsen() -> Numbers:
     }
 
 
-MEASURES: dict[str, Callable[[], Numbers]] = {"nafems_1": nafems_1, "nafems_2": nafems_2, "knudsen": knudsen}
+def sphere() -> Numbers:
+    n, radius, yield_stress, widest = 64, 4.0, 5e-5, 0.14
+    x = np.arange(n) / n - 0.5
+    heights = -(x[:, None] ** 2 + x[None, :] ** 2) / (2.0 * radius)
+    forces = np.pi * widest**2 * 2.85 * yield_stress * np.linspace(1 / 12, 1.0, 12)
+    states = press_elastoplastic(
+        PeriodicHalfSpace(n, 1.0, 1.0), heights, forces, yield_stress=yield_stress, tolerance=3e-4, layers=24
+    )[-4:]
+    # of the middle below the corner, where the surface is that of the block at rest
+    depths = [float(np.ptp((one.gap + heights)[[0, n // 2], [0, n // 2]])) for one in states]
+    hardness = [one.pressure.mean() / one.contact_area / yield_stress for one in states]
+    # the last steps, over which a contact on a grid grows in leaps
+    factor = np.mean(forces[-4:] / (2.0 * np.pi * radius * yield_stress * np.array(depths)))
+    return {
+        "force": factor * 0.5 * 50e6 * 20e-3 / 1e6,
+        "hardness": np.mean(hardness),
+        "raised": factor / np.mean(hardness),
+    }
+
+
+def challenge() -> Numbers:
+    n, wave, pressure = 512, 2.0 * np.pi, 0.01
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=1.0, hurst=0.8, q_low=0.99 * wave, q_rolloff=5 * wave, q_high=64.01 * wave
+    )
+    slope, body = spectrum.rms_slope, PeriodicHalfSpace(n, 1.0, 1.0)
+    shares = []
+    for seed in range(8):
+        heights = leak.random_map(spectrum, size=1.0, points=n, seed=seed, amplitudes="exact") / slope
+        touches = press(body, heights, pressure, tolerance=1e-4).pressure > 0.0
+        edges = sum(np.count_nonzero(touches != np.roll(touches, 1, axis)) for axis in (0, 1))
+        # Yastrebov, Anciaux and Molinari (2017): a grid counts too much along the edges
+        shares.append((np.count_nonzero(touches) - (np.pi - 1.0 + np.log(2.0)) / 24.0 * edges) / n**2)
+    return {"area": np.mean(shares), "theory": erf(np.sqrt(2.0) * pressure)}
+
+
+MEASURES: dict[str, Callable[[], Numbers]] = {
+    "nafems_1": nafems_1,
+    "nafems_2": nafems_2,
+    "knudsen": knudsen,
+    "sphere": sphere,
+    "challenge": challenge,
+}
 
 
 def read() -> dict[str, Numbers]:
