@@ -24,7 +24,7 @@ from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
 from fem_seal.answers.profile_files import ImportedProfile
-from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles, ring_of
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.solution import SealSolution, answer_parts
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
@@ -145,6 +145,7 @@ def solve_profiles(
     Parameters
     ----------
     case : Case
+        Whose closure and seat need no shapes where the profiles have radii.
     profiles : sequence of ImportedProfile
     progress : callable, optional
         Called with a status message before each step.
@@ -155,9 +156,10 @@ def solve_profiles(
         As of `leak_of_profiles`.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps(case.display)
+    if not case.has_shapes:
+        case = case.over_ring(*ring_of(profiles))
     problem = SealProblem.of(case)
     _simulate(problem, clock)
-    case.check_shapes()
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = leak_of_profiles(problem, profiles)
     return _of_given(case, problem, loads, clock, steps, profiles)

@@ -87,7 +87,9 @@ class ImportedProfile:
     strain: FloatArray | None = None
 
 
-def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedProfile, ...]:
+def read_profiles(
+    file: str | Path, contact: ContactGeometry | None, axis: str | None = None
+) -> tuple[ImportedProfile, ...]:
     """Contact pressure profiles of a text file, on the seat of a case.
 
     Parameters
@@ -97,8 +99,11 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
         the places of the points: arc length, radius, or the coordinates of points along one meridian, in any order.
         Several load steps stand beside each other, each with its column of pressure; below each other, with a column
         that tells them apart, of the fluid pressure or the step; or in tables of their own.
-    contact : ContactGeometry
-        On whose seat the points lie. An arc length is zero at first touch, or where its path begins.
+    contact : ContactGeometry or None
+        On whose seat the points lie. An arc length is zero at first touch, or where its path begins. None: without
+        shapes, where the file tells arc length and radius.
+    axis : {"x", "y", "z"}, optional
+        Without shapes: the coordinate along the axis of the seal; of two columns the second one unless given.
 
     Returns
     -------
@@ -118,7 +123,7 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
             raise TextTableError(problem("profile_no_contact"))
         count = len(steps) - len(in_contact)
         remark = f"; {count} load step{'s' * (count > 1)} without contact pressure left out" if count else ""
-        return tuple(_place(replace(step, remark=step.remark + remark), contact) for step in in_contact)
+        return tuple(_place(replace(step, remark=step.remark + remark), contact, axis) for step in in_contact)
     except (TableError, TextTableError, QuantityError) as error:
         raise InputError.at("", str(error), file=file) from None
 
@@ -280,8 +285,7 @@ def _check_angles(table: TextTable, roles: dict[str, list[int]]) -> None:
 
 
 _MAP = (
-    "the points lie over a surface, not along one meridian; a map of the contact pressure is not read, give the points "
-    "of one meridian"
+    "the points lie over a surface, not along one meridian; give those of one meridian, or read them as a map"
 )
 
 
@@ -334,11 +338,11 @@ def _begun_anew(x: FloatArray, rows: IntArray) -> list[IntArray]:
 # --- places -------------------------------------------------------------------------------------------------
 
 
-def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
+def _place(step: _Step, contact: ContactGeometry | None, axis: str | None) -> ImportedProfile:
     """A load step on the seat, its points in order."""
     if len(step.pressure) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(step.pressure)}")
-    x, radius, remark = _locate(step, contact)
+    x, radius, remark = _by_themselves(step, axis) if contact is None else _locate(step, contact)
     remark += step.remark
     columns = [each for each in (step.pressure, radius, step.strain) if each is not None]
     finite = np.isfinite(x)
@@ -350,20 +354,60 @@ def _place(step: _Step, contact: ContactGeometry) -> ImportedProfile:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
     pressed_x = x[pressure > _PRESSED_SHARE * pressure.max()]
     low, high = float(pressed_x[0]), float(pressed_x[-1])
-    touch, length = contact.initial_contact_radius, contact.seat_face.length
+    touch = float(radius.mean()) if contact is None else contact.initial_contact_radius  # type: ignore[union-attr]
+    length = np.inf if contact is None else contact.seat_face.length
     if high - low > 1.05 * length or x[-1] - x[0] < _NARROWEST * touch:
         end = max(low, high, key=abs) if high - low > length else x[-1] - x[0]
         verb = "reaches" if high - low > length else "goes over"
         raise TextTableError(
             problem("profile_reach", verb=verb, end=_mm(end), touch=_mm(touch), remark=remark)
         )
-    ends = contact.reach
-    if low < ends[0] - _TOLERANCE * length or high > ends[1] + _TOLERANCE * length:
+    ends = None if contact is None else contact.reach
+    if ends and (low < ends[0] - _TOLERANCE * length or high > ends[1] + _TOLERANCE * length):
         words = dict(
             zip(("low", "high", "start", "end", "touch"), map(_mm, (low, high, *ends, touch)), strict=True)
         )
         raise TextTableError(problem("profile_beside_faces", **words, remark=remark))
     return ImportedProfile(x, pressure, radius, step.fluid_pressure, remark, strain)
+
+
+def _by_themselves(step: _Step, axis: str | None) -> tuple[FloatArray, FloatArray, str]:
+    """x, zero at the centre of pressure, and r of points that tell both, and what the columns were taken for."""
+    places = step.places
+    named = [role for role in ("x", "y", "z") if role in places]
+    height = axis or ("" if len(named) == 3 or not named else named[-1])
+    radius, arc = places.get("radius"), next((places[role] for role in ("arc", "x") if role in places), None)
+    if radius is None and len(named) > 1:
+        if height not in named:
+            raise TextTableError(problem("profile_axis", names=", ".join(places[role][0] for role in named)))
+        sides = [places[role] for role in named if role != height]
+        x, y = (sides[0][1], sides[1][1] if sides[1:] else np.zeros(1))
+        if np.ptp(np.unwrap(np.arctan2(y, x))) > _TOLERANCE:
+            raise TextTableError(_MAP)
+        radius, arc = (" and ".join(name for name, _ in sides), np.hypot(x, y)), None
+    if radius is None or (arc is None and height not in places):
+        given = " and ".join(f'"{name}"' for name, _ in places.values())
+        raise TextTableError(problem("profile_needs_shape", given=given))
+    (name, r), (line, x) = radius, arc or places[height]
+    if not (r > 0).all():
+        raise TextTableError(f'radius must be positive; {_mm(float(r.min()))} in column "{name}" is not')
+    if arc is None:
+        x = _way_along(r, x)
+    x = x if np.polyfit(x, r, 1)[0] >= 0.0 else -x
+    words = "lies along the axis" if arc is None else "is their arc length"
+    tail = f'"{line}" {words}, "{step.pressure_name}" is their contact pressure'
+    return x - _centre(x, step.pressure), r, f'"{name}" gives the radius of the points, {tail}'
+
+
+def _way_along(r: FloatArray, z: FloatArray) -> FloatArray:
+    """Arc length of points on one curve, in any order."""
+    if not on_one_curve(r, z):
+        raise TextTableError(_MAP)
+    points = np.stack([r - r.mean(), z - z.mean()])
+    order = np.argsort(np.linalg.svd(points, full_matrices=False)[0][:, 0] @ points, kind="stable")
+    x = np.zeros(len(r))
+    x[order[1:]] = np.cumsum(np.hypot(np.diff(r[order]), np.diff(z[order])))
+    return x
 
 
 def _locate(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArray | None, str]:
@@ -531,10 +575,15 @@ def _from_touch(x: FloatArray, pressure: FloatArray, remark: str) -> tuple[Float
         return x, remark
     if abs(x.min()) > 1e-6 * np.ptp(x):
         raise TextTableError(problem("profile_arc", peak=_mm(float(x[np.argmax(pressure)])), remark=remark))
+    centre = _centre(x, pressure)
+    return x - centre, f"{remark}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
+
+
+def _centre(x: FloatArray, pressure: FloatArray) -> float:
+    """Where the contact pressure has its centre [m]."""
     order = np.argsort(x, kind="stable")
     area, moment = (float(np.trapezoid(values[order], x[order])) for values in (pressure, pressure * x))
-    centre = moment / area
-    return x - centre, f"{remark}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
+    return moment / area
 
 
 def _merge_places(x: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -67,6 +67,23 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     return [load.with_values(validity=profile_validity(problem, load)) for load in loads]
 
 
+def ring_of(profiles: Sequence[ImportedProfile]) -> tuple[float, float]:
+    """Radii of a ring where the first profile presses, for a case without shapes [m].
+
+    Parameters
+    ----------
+    profiles : sequence of ImportedProfile
+        With their radii.
+    """
+    profile = profiles[0]
+    radius, pressed = profile.radius, profile.pressure >= 0.5 * profile.pressure.max()
+    assert radius is not None  # of profiles without a seat
+    middle = float(np.average(radius, weights=profile.pressure))
+    # narrower than the points: where faces that nobody knows end is not told
+    half = min(0.25 * float(np.ptp(profile.x[pressed])), 0.5 * middle) or 1e-3 * middle
+    return middle - half, middle + half
+
+
 def leaking(problem: SealProblem) -> tuple[FaceContact, FlowModel]:
     """Surface and flow of a problem, for contacts that are given; InputError if it lacks one, or asks for bodies.
 

@@ -348,8 +348,8 @@ def leak(
         options = MapOptions(field, gap_field, columns, pressure_unit, length_unit, axis)
         solve, given = solve_map, read_map(pressure_file, options, case.hardness)
     else:
-        case.check_shapes()
-        solve, given = solve_profiles, read_profiles(pressure_file, case.contact)
+        contact = case.contact if case.has_shapes else None
+        solve, given = solve_profiles, read_profiles(pressure_file, contact, axis)
     folder = _create_folder(output or pressure_file.with_suffix(".leak"))
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = solve(case, given, progress)

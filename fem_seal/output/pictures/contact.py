@@ -75,7 +75,8 @@ def profile_picture(result: SealSolution, derived: ClosedForms) -> style.Picture
             display, view, loads[n], load_name(loads[n], loads, display), derived.loads[n], length
         )
     of_map = isinstance(result.highest.whole_profile, SurfaceProfile)
-    words = ["across" if of_map else "start", "mean" if result.highest.circumference is not None else ""]
+    start = "across" if of_map else "start" if result.case.has_shapes else "centre"
+    words = [start, "mean" if result.highest.circumference is not None else ""]
     if not closed:
         words += [] if result.of_profile else ["conforming"]
     else:

@@ -419,6 +419,48 @@ def test_the_verdict_is_that_of_each_steps_own_pressure(read) -> None:
     assert "is their contact pressure" in page
 
 
+BARE = {
+    "arc length and radius": (written("x [mm],r [mm],p [MPa]", 5.0 - X, R, P), None),
+    "radius and height": (written("r [mm],z [mm],p [MPa]", R[MIXED], Z[MIXED], P[MIXED]), None),
+    "two coordinates": (written("X [mm],Y [mm],CPRESS [MPa]", R, -Z, P), None),
+    "the first along the axis": (written("X [mm],Y [mm],CPRESS [MPa]", Z, R, P), "x"),
+    "in space": (written("X,Y,Z,CPRESS", 0.6 * R, Z, 0.8 * R, P), "y"),
+}
+
+
+@pytest.mark.parametrize("name", BARE)
+def test_a_case_without_shapes_takes_a_profile_with_its_radii(name: str, tmp_path: Path) -> None:
+    text, axis = BARE[name]
+    (file := tmp_path / "profile.csv").write_text(text)
+    profiles = read_profiles(file, None, axis)
+    expected = solve_profiles(case_of(TABLES), [ImportedProfile(X * 1e-3, P * 1e6, R * 1e-3, None)])
+    found = solve_profiles(
+        case_of({**TABLES, "closure": {"material": STEEL}, "seat": {"material": STEEL}}), profiles
+    )
+    assert profiles[0].x == pytest.approx(X * 1e-3, abs=1e-9)
+    # the seat of the case ends, and beyond the points of the other profile the pressure goes on falling
+    rate = expected.loads[0].leak.leak_rate
+    assert found.loads[0].leak.leak_rate == pytest.approx(rate, rel=2e-4)
+    assert found.loads[0].leak_interval == pytest.approx(expected.loads[0].leak_interval, rel=2e-4)
+    assert found.warnings == expected.warnings
+    assert "x = 0 is its centre" in report(found, full=True)
+
+
+NEEDS = {
+    r'seat\.shape: is missing, and "x \[mm\]" alone': written("x [mm],p [MPa]", X, P),
+    r'seat\.shape: is missing, and "r \[mm\]" alone': written("r [mm],p [MPa]", R, P),
+    "such as --axis z": written("X [mm],Y [mm],Z [mm],p [MPa]", R, ZERO, Z, P),
+    "radius must be positive": written("x [mm],r [mm],p [MPa]", X, X, P),
+}
+
+
+@pytest.mark.parametrize("said", NEEDS)
+def test_what_a_profile_without_shapes_lacks(said: str, tmp_path: Path) -> None:
+    (file := tmp_path / "profile.csv").write_text(NEEDS[said])
+    with pytest.raises(InputError, match=said):
+        read_profiles(file, None)
+
+
 def test_a_form_error_is_refused(read) -> None:
     """A scratch would leak beside the given contact, unseen."""
     tilted = SealProblem.of(case_of({**TABLES, "form": {"tilt": "0.01 deg"}}))
