@@ -25,6 +25,8 @@ from .flow.fluid_in_gap import coupled_leak_flow as coupled_leak_flow
 from .flow.groove_section import EllipticGroove as EllipticGroove
 from .flow.groove_section import GrooveSection as GrooveSection
 from .flow.groove_section import SinusoidalGroove as SinusoidalGroove
+from .flow.joint_conductance import GapFluid as GapFluid
+from .flow.joint_conductance import joint_conductance as joint_conductance
 from .flow.leak_rate import gas_leak_flow as gas_leak_flow
 from .flow.leak_rate import leak_flow as leak_flow
 from .flow.leak_rate import leak_rate as leak_rate

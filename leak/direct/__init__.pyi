@@ -10,6 +10,7 @@ from .flow import patch_flow as patch_flow
 from .flow import periodic_flow as periodic_flow
 from .flow import rarefied_gap as rarefied_gap
 from .flow import streams as streams
+from .heat import patch_conductance as patch_conductance
 from .patch import Patch as Patch
 from .patch import periodic_map as periodic_map
 from .patch import refined as refined

@@ -53,6 +53,8 @@ _WIDTHS = ("effective", "plain")
 _BELOW_HARDNESS = 1.0 - 1e-9
 # ln(p/hardness) between which the area touched is interpolated where the bulk flows; below them it goes with p.
 _LOG_SHARES = np.linspace(-14.0, 0.0, 71)
+# Share of the pressure that a small unloading takes off.
+_UNLOADS = 1e-4
 # Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
@@ -573,6 +575,39 @@ class RoughContact:
         """Nominal pressure at which the mean separation is u, the inverse of `mean_separation` [Pa]."""
         return _scalar(np.asarray(self.interface_law(plastic=self.hardness is not None).pressure(separation)))
 
+    def contact_stiffness(
+        self, pressure: ArrayLike, *, largest: ArrayLike | None = None
+    ) -> FloatArray | float:
+        """dp/du of a small unloading, at which nothing yields and all spots stay [Pa/m].
+
+        That which ultrasound measures; dp/du of `interface_law` on loading is less where asperities yield. Zero at
+        p = 0, infinite from the hardness on.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        largest : array_like, optional
+            See `effective_separation`.
+
+        References
+        ----------
+        J.-Y. Kim, A. Baltazar, S. I. Rokhlin, J. Mech. Phys. Solids 52, 1911 (2004).
+        """
+        p = _checked_pressure(pressure)
+        p, top = np.broadcast_arrays(p, p if largest is None else np.maximum(p, _checked_pressure(largest)))
+        carries = (p > 0.0) & (top < (math.inf if self.hardness is None else self.hardness * _BELOW_HARDNESS))
+        stiffness = np.where(p > 0.0, np.inf, 0.0)
+        if np.any(carries):
+            p, top = p[carries], top[carries]
+            at, below = (
+                np.log(self.equivalent_first_loading_pressure(share * p, top))
+                for share in (1.0, 1.0 - _UNLOADS)
+            )
+            decay = self.interface_law(plastic=self.hardness is not None).decay_length(at)
+            stiffness[carries] = -math.log1p(-_UNLOADS) * p / (decay * (at - below))
+        return _scalar(stiffness)
+
     def interface_law(self, plastic: bool = False) -> RoughSurfaceLaw:
         """p(u) for a contact calculation: that of the elastic spectrum, or of C_pl at the local pressure.
 
@@ -613,7 +648,7 @@ class RoughContact:
         P[order] = density(loss, u[:, order])[0]
         return u[0], P
 
-    def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> LostArea:
+    def lost_area(self, pressure: FloatArray, refinement: float = 1.0, factor: float = 1.0) -> LostArea:
         """Area that loses contact from one magnification to the next.
 
         Parameters
@@ -622,9 +657,11 @@ class RoughContact:
             Nominal pressures, positive and below the hardness [Pa].
         refinement : float
             So many times more magnifications.
+        factor : float
+            So many times the pressure acts on the surface as it has yielded.
         """
         equivalent = self.equivalent_pressure(pressure)
-        return self._lost_area(equivalent, self._roughness_at(equivalent), refinement)
+        return self._lost_area(factor * equivalent, self._roughness_at(equivalent), refinement)
 
     def _lost_area(self, p: FloatArray, roughness: Roughness, refinement: float) -> LostArea:
         relative = p / self.effective_modulus

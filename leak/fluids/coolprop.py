@@ -134,6 +134,24 @@ def coolprop_heat_capacity(name: str) -> float:
     return float(_ask(_package(name).PropsSI, name, 298.15, _DILUTE, fluid, "CP0MOLAR"))
 
 
+def coolprop_thermal_conductivity(name: str, temperature: float) -> float | None:
+    """Thermal conductivity at atmospheric pressure, of a gas when dilute [W/(m K)]; None where it has none.
+
+    Parameters
+    ----------
+    name : str
+        "CoolProp:" and the name there.
+    temperature : float
+        [K]
+    """
+    pressure = _DILUTE if coolprop_is_gas(name, temperature) else STANDARD_PRESSURE
+    package, fluid = _package(name), name.removeprefix(PREFIX)
+    try:
+        return float(_ask(package.PropsSI, name, temperature, pressure, fluid, "L"))
+    except FluidError:
+        return None
+
+
 def coolprop_is_gas(name: str, temperature: float) -> bool:
     """Whether a fluid is a gas at a temperature [K] and atmospheric pressure."""
     fluid = name.removeprefix(PREFIX)

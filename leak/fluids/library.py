@@ -470,6 +470,35 @@ def heat_capacity_ratio(name: str) -> float | None:
     return None if heat_capacity is None else heat_capacity / (heat_capacity - GAS_CONSTANT)
 
 
+ACCOMMODATION = MappingProxyType(
+    {name: data["accommodation"] for name, data in _DATA["gases"].items() if "accommodation" in data}
+)
+"""Name of a gas -> measured thermal accommodation coefficient of metals in air [-], read-only."""
+
+
+def thermal_conductivity(name: str, temperature: float) -> float | None:
+    """Of a fluid at atmospheric pressure, of a gas when dilute [W/(m K)]; None where it is not known.
+
+    Parameters
+    ----------
+    name : str
+        Of the library, or "CoolProp:..." with the optional package CoolProp.
+    temperature : float
+        [K]
+
+    Examples
+    --------
+    >>> [round(thermal_conductivity(name, 293.15), 3) for name in ("water", "nitrogen")]
+    [0.597, 0.025]
+    """
+    if name.startswith("CoolProp:"):
+        from leak.fluids.coolprop import coolprop_thermal_conductivity
+
+        return coolprop_thermal_conductivity(name, temperature)
+    coefficients = {**_DATA["liquids"], **_DATA["gases"]}.get(name, {}).get("thermal_conductivity")
+    return None if coefficients is None else _polynomial(*coefficients)(temperature)
+
+
 # The optional package CoolProp has these entries, too.
 _IN_COOLPROP = frozenset(GASES) | {"water", "ethanol"}
 
