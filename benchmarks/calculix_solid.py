@@ -8,13 +8,14 @@ the seal is z, the angle 0 lies on x.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from calculix_deck import LOWEST_PRESSURE, Cells, FloatArray, IntArray, cells_of, node_points, sides_on
 
+from fem_seal.bolts import BoltCircle
 from fem_seal.materials import Material
 from leak import ExponentialLaw
 from meshes import SealMesh
@@ -195,6 +196,7 @@ def solid_deck(
     axial_force: float,
     tolerance: float,
     moment: float = 0.0,
+    bolts: BoltCircle | None = None,
 ) -> str:
     """Deck that presses the closure into the seat.
 
@@ -210,6 +212,8 @@ def solid_deck(
         Relative residual force and correction at which the iteration stops.
     moment : float
         Of the load on the closure's top [N m]; it presses at 0 degrees, and needs a half of the seal.
+    bolts : BoltCircle, optional
+        In place of an even load on the closure's top; the other half has the same ones.
     """
     return "\n".join(
         [
@@ -224,7 +228,7 @@ def solid_deck(
             *_bodies(seal, materials),
             *_contact(seal, law),
             *_supports(seal),
-            *_step(seal, axial_force, tolerance, moment),
+            *_step(seal, _top_load(seal, axial_force, moment, bolts), tolerance),
             "",
         ]
     )
@@ -286,7 +290,11 @@ def _supports(seal: SolidSeal) -> Iterator[str]:
     yield from ("end,2,2", "held,1,1") if is_half else ("end,1,1",)
 
 
-def _step(seal: SolidSeal, axial_force: float, tolerance: float, moment: float) -> Iterator[str]:
+def _top_load(seal: SolidSeal, axial_force: float, moment: float, bolts: BoltCircle | None) -> Iterator[str]:
+    if bolts is not None:
+        yield "*CLOAD"
+        yield from (f"{node},3,{-force:.12e}" for node, force in bolt_forces(seal.closure, bolts).items())
+        return
     mesh, closure = seal.closure.section.mesh, seal.closure
     radii = np.sort(1e3 * mesh.p[0, mesh.facets[:, mesh.boundaries["closure_top"]]], axis=0)
     even = axial_force / (math.pi * float(np.diff(radii**2, axis=0).sum()))
@@ -294,11 +302,43 @@ def _step(seal: SolidSeal, axial_force: float, tolerance: float, moment: float) 
     wave = np.cos(closure.angle[1::2])
     lever = 2.0 / 3.0 * float(np.diff(radii**3, axis=0).sum() * (wave @ np.diff(np.sin(closure.angle[::2]))))
     pressures = even + 1e3 * moment / lever * wave
-    yield from ("*STEP, INC=200", "*STATIC", "1.,1.")
-    yield from ("*CONTROLS, PARAMETERS=FIELD", f"{tolerance:g},{tolerance:g}")
     yield "*DLOAD"
     for k, (element, face) in enumerate(closure.faces("top")):
         yield f"{element},P{face},{pressures[k % closure.layers]:.12e}"
+
+
+def bolt_forces(closure: SolidBody, bolts: BoltCircle) -> dict[int, float]:
+    """Force of bolts on the closure's nodes [N], by number.
+
+    Under each head it is even along the radius and half an ellipse around the axis, as that of a round one, and goes to
+    the corners around each place with its resultant and its moments.
+    """
+    mesh, reach = closure.section.mesh, 0.5 * bolts.head / bolts.radius
+    vertices = np.unique(mesh.facets[:, mesh.boundaries["closure_top"]])
+    vertices = vertices[np.argsort(mesh.p[0, vertices])]
+    # the integral over an ellipse by Chebyshev's quadrature of the second kind
+    turn = math.pi * np.arange(1, _UNDER_HEAD + 1) / (_UNDER_HEAD + 1)
+    weight = 2.0 / (_UNDER_HEAD + 1) * np.sin(turn) ** 2
+    corners, forces = closure.angle[::2], np.zeros((closure.layers + 1, len(vertices)))
+    radial = np.array([np.interp(bolts.radius, mesh.p[0, vertices], row) for row in np.eye(len(vertices))])
+    for angle, tightness in zip(bolts.angles, bolts.tightness, strict=True):
+        share = bolts.force * tightness / sum(bolts.tightness)
+        at = (angle + reach * np.cos(turn) + math.pi) % (2.0 * math.pi) - math.pi
+        inside = (at >= 0.0) & (at <= closure.span)
+        around = [weight[inside] @ np.interp(at[inside], corners, row) for row in np.eye(len(corners))]
+        forces += share * np.outer(around, radial)
+    nodes = closure.number[::2, vertices]
+    return {int(node): float(force) for node, force in zip(nodes.flat, forces.flat, strict=True) if force}
+
+
+# Places around the axis at which the force of a head is taken, none of them in its middle.
+_UNDER_HEAD = 1000
+
+
+def _step(seal: SolidSeal, load: Iterable[str], tolerance: float) -> Iterator[str]:
+    yield from ("*STEP, INC=200", "*STATIC", "1.,1.")
+    yield from ("*CONTROLS, PARAMETERS=FIELD", f"{tolerance:g},{tolerance:g}")
+    yield from load
     yield from ("*CONTACT FILE", "CDIS,CSTR", "*NODE PRINT, NSET=bottom, TOTALS=ONLY", "RF")
     yield from ("*NODE PRINT, NSET=top", "U", "*NODE PRINT, NSET=held", "RF")
     yield from ("*CONTACT PRINT, SLAVE=closure_contact, MASTER=seat_contact", "CF")

@@ -17,6 +17,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import MappingProxyType
 
+import numpy as np
+
+from fem_seal.arrays import FloatArray, IntArray
 from leak.numerics.roots import root_of_rising
 
 # ISO 898-1, nominal stress area of coarse threads [mm2], by nominal diameter [mm]: table of EN ISO 898-1 as printed by
@@ -72,6 +75,88 @@ def preload_of_torque(torque: float, nut_factor: float, diameter: float) -> floa
 
 
 @dataclass(frozen=True)
+class BoltCircle:
+    """Bolts one by one around the axis; each keeps its share of the force of all.
+
+    Parameters
+    ----------
+    radius : float
+        Of the circle on which they stand [m].
+    head : float
+        Diameter under which a bolt presses evenly [m].
+    angles : tuple of float
+        Around the axis [rad].
+    tightness : tuple of float
+        Preload of each over the one that is given, none of them negative, not all zero.
+    force : float
+        Of all together [N]; one where only their shares count.
+
+    Examples
+    --------
+    Four bolts, the third of them loose:
+
+    >>> circle = BoltCircle(0.04, 0.013, (0.0, math.pi / 2, math.pi, 3 * math.pi / 2), (1.0, 1.0, 0.0, 1.0))
+    >>> circle.period, circle.equivalent_number, round(abs(circle.moment) / circle.radius, 4)
+    (1, 3.0, 0.3333)
+    """
+
+    radius: float
+    head: float
+    angles: tuple[float, ...]
+    tightness: tuple[float, ...]
+    force: float = 1.0
+
+    @property
+    def equivalent_number(self) -> float:
+        """Bolts as tight as the tightest that have the force of all."""
+        return sum(self.tightness) / max(self.tightness)
+
+    @property
+    def moment(self) -> complex:
+        """About the axis, a of Re(a exp(i phi)): it presses hardest where that is largest [N m]."""
+        share = complex(self._sums(np.array([1.0]))[0])
+        return self.force * self.radius * share if abs(share) > _NONE else 0j
+
+    @property
+    def period(self) -> int:
+        """How often they repeat themselves around the axis."""
+        # a sum over m bolts that vanishes for 2 m waves in a row does for all
+        waves = np.arange(1, 2 * len(self.angles) + 1)
+        return math.gcd(*waves[np.abs(self._sums(waves)) > _NONE].tolist())
+
+    @property
+    def loosest(self) -> tuple[tuple[int, float], ...]:
+        """Number, from 1 on, and angle [rad] of the loosest bolts; none where all are as tight."""
+        least, tightest = min(self.tightness), max(self.tightness)
+        numbered = enumerate(zip(self.angles, self.tightness, strict=True), start=1)
+        return tuple((n, angle) for n, (angle, tight) in numbered if tight == least < tightest)
+
+    def wave(self, n: int) -> complex:
+        """Force of n waves per full turn, a of Re(a exp(i n phi)) [N].
+
+        Of a force that is even under a head its harmonics are 2 J1(x)/x of those at the middle, x = n head/(2 radius).
+
+        Parameters
+        ----------
+        n : int
+            One or more.
+        """
+        from scipy.special import j1
+
+        x = 0.5 * n * self.head / self.radius
+        return 2.0 * self.force * complex(self._sums(np.array([n]))[0]) * 2.0 * float(j1(x)) / x
+
+    def _sums(self, waves: FloatArray | IntArray) -> FloatArray:
+        """sum_j s_j exp(-i n phi_j) with the shares s_j of the force."""
+        shares = np.array(self.tightness) / sum(self.tightness)
+        return np.asarray(np.exp(-1j * np.outer(waves, self.angles)) @ shares)
+
+
+# Share of the force that is none, of angles with the digits of a case file.
+_NONE = 1e-9
+
+
+@dataclass(frozen=True)
 class Bolts:
     """All bolts of a joint.
 
@@ -90,6 +175,8 @@ class Bolts:
         By which the preload may be off, relative.
     faces : int
         How many times the approach of one contact the bolts follow: twice with a gasket.
+    circle : BoltCircle or None
+        Where they stand, and how tight each of them is; None where they press evenly all around.
     """
 
     number: int
@@ -99,26 +186,32 @@ class Bolts:
     torque_factor: float | None = None
     scatter: float = 0.0
     faces: int = 1
+    circle: BoltCircle | None = None
+
+    @property
+    def equivalent_number(self) -> float:
+        """Bolts as tight as the tightest that have the force of all."""
+        return self.number if self.circle is None else self.circle.equivalent_number
 
     def stress(self, force: float) -> float:
-        """Stress on the stress area of each bolt under a force of all [Pa].
+        """Stress on the stress area of the tightest bolt under a force of all [Pa].
 
         Parameters
         ----------
         force : float
             [N]
         """
-        return force / (self.number * self.stress_area)
+        return force / (self.equivalent_number * self.stress_area)
 
     def torque(self, preload: float) -> float | None:
-        """Torque of each bolt for a preload of all [N m]; None where the nut factor is not known.
+        """Torque of the tightest bolt for a preload of all [N m]; None where the nut factor is not known.
 
         Parameters
         ----------
         preload : float
             [N]
         """
-        return None if self.torque_factor is None else self.torque_factor * preload / self.number
+        return None if self.torque_factor is None else self.torque_factor * preload / self.equivalent_number
 
 
 def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float], at_preload: float) -> float:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bolts import BoltCircle
 
 if TYPE_CHECKING:
     from leak import Groove
@@ -105,8 +106,9 @@ class FormError:
     grooves : tuple of PlacedGroove
         Scratches across the face, and the lay of turning.
     moment : float
-        That the contact carries about the centre of the circle of first touch, pressing at angle zero [N m]; not with a
-        guide.
+        Of the load about the centre of the circle of first touch, pressing at angle zero [N m]; not with a guide.
+    bolts : BoltCircle or None
+        Bolts one by one, with the force of a load once this is known; None where they press evenly.
     """
 
     waves: tuple[Wave, ...] = ()
@@ -116,11 +118,17 @@ class FormError:
     remarks: tuple[str, ...] = ()
     grooves: tuple[PlacedGroove, ...] = ()
     moment: float = 0.0
+    bolts: BoltCircle | None = None
 
     @property
     def uneven(self) -> bool:
         """Whether the line load differs from place to place."""
-        return bool(self.felt_waves or self.moment)
+        return bool(self.felt_waves or self.moment or self.bolts)
+
+    @property
+    def carried_moment(self) -> complex:
+        """That the contact carries, a of Re(a exp(i phi)): of the load, and of bolts of different tightness [N m]."""
+        return self.moment + (0j if self.bolts is None else self.bolts.moment)
 
     @property
     def felt_waves(self) -> tuple[Wave, ...]:
@@ -129,10 +137,11 @@ class FormError:
 
     @property
     def symmetry(self) -> int:
-        """How often the felt waves and the moment repeat themselves around the axis."""
-        return (
-            1 if self.moment else math.gcd(*(wave.waves for wave in self.felt_waves)) or max(self.highest, 1)
-        )
+        """How often the felt waves, the moment and the bolts repeat themselves around the axis."""
+        if self.moment:
+            return 1
+        waves = [wave.waves for wave in self.felt_waves] + ([] if self.bolts is None else [self.bolts.period])
+        return math.gcd(*waves) or max(self.highest, 1)
 
     def gap(self, angle: FloatArray) -> FloatArray:
         """What the felt waves add to the gap at angles [rad] around the axis [m]."""
@@ -149,7 +158,8 @@ class FormError:
         if self.tolerance is None:
             return self
         angle = np.linspace(0.0, 2 * np.pi, 3600, endpoint=False)
-        least_pressed = math.pi if self.moment > 0 else 0.0
+        moment = self.carried_moment
+        least_pressed = math.pi - float(np.angle(moment)) if moment else 0.0
         widest = float(angle[np.argmax(self.gap(angle))]) if self.felt_waves else least_pressed
         tolerance_wave = Wave(number, self.tolerance.amplitude, number * widest)
         return replace(

@@ -68,6 +68,7 @@ SPECIAL = {
     "turned_seat": "law",
     "copper_ring": "compression",
     "bent_flange": "line_load_around",
+    "loose_bolt": "line_load_around",
     "proof_load": "memory",
     "elastoplastic_seat": "imprint",
     "hot_coined_seat": "imprint",
@@ -102,7 +103,7 @@ GROUPS = {
         "tilted_poppet",
         "scratched_seat",
     ),
-    "Gaskets": ("copper_ring", "delta_seal", "ring_joint", "bent_flange"),
+    "Gaskets": ("copper_ring", "delta_seal", "ring_joint", "bent_flange", "loose_bolt"),
     "After a larger load": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
 }
 

@@ -53,7 +53,7 @@ def _compute(seal: SolvedSeal, request: Request) -> BoltAnswers:
 
 
 def _state(bolts: Bolts, preload: float, load: CaseLoad, strength: float | None) -> BoltState:
-    number, target, force = bolts.number, load.preload_for_target, load.force_for_target
+    number, target, force = bolts.equivalent_number, load.preload_for_target, load.force_for_target
     stress = bolts.stress(max(preload, load.applied_force))
     torques = [None if tension is None else bolts.torque(tension) for tension in (preload, target)]
     return BoltState(

@@ -344,7 +344,7 @@ class PassProbability:
 
 @dataclass(frozen=True)
 class BoltState:
-    """Bolts under one load; all numbers are of one bolt.
+    """Bolts under one load; all numbers are of one bolt, the tightest.
 
     Parameters
     ----------

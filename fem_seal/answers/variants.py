@@ -141,7 +141,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
                 contact = solve_load(replace(solver, problem=variant), strongest)
             else:
                 (contact,) = solve_again([contact], solver.model, variant.law)
-            circumference = variant.circumference(contact)
+            circumference = variant.circumference(contact, load.fluid_pressure)
             bare = load_results(variant, [load.point], [contact], [circumference], others=table_contacts)
             (result,) = case_loads(variant, bare)
         others = {name: x.leak.leak_rate for name, x in result.others.items() if x.leak is not None}

@@ -11,6 +11,7 @@ as the displacement of the axisymmetric model stands to its load.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -19,7 +20,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.bodies import elasticity
-from fem_seal.bodies.constrained_body import ConstrainedBody
+from fem_seal.bodies.constrained_body import ConstrainedBody, trace_matrix
 from fem_seal.bodies.dissected_body import Dissection, places_of_elements
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
@@ -102,6 +103,9 @@ class HarmonicBody:
 
     fem: ConstrainedBody
     _compliances: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _pushes: dict[tuple[int, float], FloatArray] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @cached_property
     def stiffness(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -155,6 +159,32 @@ class HarmonicBody:
         trace = self.fem.trace
         return np.asarray(trace @ (self.compliance(n) @ (trace.T @ point_forces)))
 
+    def push(self, n: int, radius: float) -> FloatArray:
+        """How far a force on the closure's top that waves n times pushes its surface out at phi = 0 [m/N], shape (m,).
+
+        Parameters
+        ----------
+        n : int
+            Waves per turn, 2 or more.
+        radius : float
+            Of the circle on the top where the force acts downwards, 1 N cos n phi per full turn [m].
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            At the points of the contact line, towards the other body.
+
+        Raises
+        ------
+        ValueError
+            If n is not a whole number from 2 on.
+        """
+        if n < 2 or n != int(n):
+            raise ValueError(f"{n} waves around the axis: a whole number from 2 on is needed")
+        if (n, radius) not in self._pushes:
+            self._pushes[n, radius] = self._pushed(int(n), radius)
+        return np.asarray(self.fem.trace @ self._pushes[n, radius])
+
     def stiffer(self, factor: float) -> HarmonicBody:
         """The same body with another Young's modulus, whose compliances follow from those of this one.
 
@@ -168,6 +198,16 @@ class HarmonicBody:
     @single_threaded
     def _factorise(self, n: int) -> FloatArray:
         return (_Supports.of(self, guided=True) if n == 1 else self._other_supports).compliance(n, self)
+
+    @single_threaded
+    def _pushed(self, n: int, radius: float) -> FloatArray:
+        """`push` at the contact nodes."""
+        fem = self.fem
+        nodes, trace = trace_matrix(fem.mesh, "closure_top", lambda r, z: r, np.array([radius]))
+        force = np.zeros(harmonic_dofs(fem.mesh).size)
+        force[elasticity.node_dofs(fem.mesh)[1][nodes]] = -trace.toarray()[0]
+        moved = self._other_supports.displacement(n, self, force)
+        return -np.sum(fem.normal * moved[fem.contact_dofs], axis=0)
 
     @cached_property
     def _other_supports(self) -> _Supports:
@@ -184,6 +224,9 @@ class _StifferBody(HarmonicBody):
     def compliance(self, n: int) -> FloatArray:
         return self.other.compliance(n) / self.factor
 
+    def push(self, n: int, radius: float) -> FloatArray:
+        return self.other.push(n, radius) / self.factor
+
 
 @dataclass(frozen=True)
 class _Supports:
@@ -197,11 +240,14 @@ class _Supports:
         -1 where a dof is minus that whose unknown it shares.
     places : ndarray of int
         Which of the contact dofs can move; `ConstrainedBody.contact_dofs`, one after the other.
+    free : ndarray of int
+        Dofs that are not held; their unknowns are numbered in this order.
     """
 
     dissection: Dissection
     sign: FloatArray
     places: IntArray
+    free: IntArray
 
     @classmethod
     def of(cls, body: HarmonicBody, guided: bool) -> _Supports:
@@ -238,16 +284,27 @@ class _Supports:
             body.stiffness[0],
             fem.mesh.t.T,  # halves that share few vertices share few nodes
         )
-        return cls(parts, sign[shapes], places)
+        return cls(parts, sign[shapes], places, free)
 
     # the body is an argument, not a field, since it keeps this object
     def compliance(self, n: int, body: HarmonicBody) -> FloatArray:
         """Retreat of the contact nodes along the normal under normal forces at them [m/N], shape (nodes, nodes)."""
-        (k0, k1, k2), sign = body.stiffness, self.sign
-        stiffness = sign[:, :, None] * (k0 + n * k1 + n**2 * k2) * sign[:, None, :]
-        inverse, _ = replace(self.dissection, elastic=stiffness).condense_elastic()
+        inverse, _ = self._condense(n, body)
         normal = body.fem.normal
         nodal = np.zeros((normal.size, normal.size))
         nodal[np.ix_(self.places, self.places)] = inverse
         projected = normal.ravel()[:, None] * nodal * normal.ravel()
         return projected.reshape(*normal.shape, *normal.shape).sum(axis=(0, 2))
+
+    def displacement(self, n: int, body: HarmonicBody, force: FloatArray) -> FloatArray:
+        """Displacement (dofs,) [m] under nodal forces (dofs,) [N], of two waves or more."""
+        _, solve = self._condense(n, body)
+        moved = np.zeros_like(force)
+        moved[self.free] = solve(force[self.free])
+        return moved
+
+    def _condense(self, n: int, body: HarmonicBody) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """Between the contact dofs, and from any forces to displacements."""
+        (k0, k1, k2), sign = body.stiffness, self.sign
+        stiffness = sign[:, :, None] * (k0 + n * k1 + n**2 * k2) * sign[:, None, :]
+        return replace(self.dissection, elastic=stiffness).condense_elastic()

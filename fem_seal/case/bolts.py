@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any
 
 from pydantic import model_validator
 
-from fem_seal.bolts import STRESS_AREAS, nominal_diameter, preload_of_torque
-from fem_seal.case.fields import Number, OneOrMany, Quantity, Table, WholeNumber
+from fem_seal.bolts import STRESS_AREAS, BoltCircle, nominal_diameter, preload_of_torque
+from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Several, Table, WholeNumber
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.temperature import Kelvin
 from fem_seal.files import problem
 
 # Nut factor where the state of the bolts is not known (Shigley, table 8-15: from memory).
 NUT_FACTOR = 0.2
+# Width across the flats of a hexagon head over the thread, and thread over the root of 4/pi of its stress area: from M8
+# on, ISO 4014 (from memory) and the table of ISO 898-1.
+_HEAD, _THREAD = 1.5, 1.16
 
 
 class BoltsTable(Table):
@@ -32,6 +36,9 @@ class BoltsTable(Table):
     stiffness: Annotated[float, Quantity("stiffness", "1 N/m", "1e15 N/m")] | None = None
     temperature: Kelvin | None = None
     thermal_expansion: Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None = None
+    circle_diameter: Annotated[float, Quantity("length", "1 mm", "20 m")] | None = None
+    angles: Annotated[tuple[float, ...], Several(Quantity("angle", "-360 deg", "360 deg"))] | None = None
+    tightness: Annotated[tuple[float, ...], Numbers(Number(0, 10))] | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> BoltsTable:
@@ -46,6 +53,16 @@ class BoltsTable(Table):
             raise ValueError(problem("bolts_diameter"))
         if self.material is None and self.youngs_modulus is None:
             raise ValueError(problem("bolts_modulus"))
+        one_by_one = {"angles": self.angles, "tightness": self.tightness}
+        for key, entries in one_by_one.items():
+            if entries is not None and self.circle_diameter is None:
+                raise ValueError(problem("bolts_circle", name=key))
+            if entries is not None and len(entries) != self.number:
+                raise ValueError(problem("bolts_entries", name=key, given=len(entries), number=self.number))
+        if self.tightness is not None and not any(self.tightness):
+            raise ValueError(problem("bolts_all_loose"))
+        if self.circle_diameter is not None and self.number < 2:
+            raise ValueError(problem("bolts_few"))
         return self
 
     @property
@@ -56,6 +73,17 @@ class BoltsTable(Table):
     @property
     def _thread(self) -> str:
         return (self.size or "").replace(" ", "").upper()
+
+    @property
+    def circle(self) -> BoltCircle | None:
+        """The bolts one by one; None where they press evenly all around."""
+        if self.circle_diameter is None:
+            return None
+        even_angles = tuple(2 * math.pi * n / self.number for n in range(self.number))
+        diameter = nominal_diameter(self.size) if self.size is not None else None
+        thread = diameter or _THREAD * math.sqrt(4.0 / math.pi * self.area)
+        tightness = self.tightness or (1.0,) * self.number
+        return BoltCircle(0.5 * self.circle_diameter, _HEAD * thread, self.angles or even_angles, tightness)
 
     @property
     def torque_factor(self) -> float | None:
@@ -72,4 +100,5 @@ class BoltsTable(Table):
             diameter = nominal_diameter(self.size or "")
             assert diameter is not None  # of the validation
             each = tuple(preload_of_torque(torque, self.nut_factor, diameter) for torque in each)
-        return tuple(self.number * preload for preload in each)
+        number = self.number if self.tightness is None else sum(self.tightness)
+        return tuple(number * preload for preload in each)

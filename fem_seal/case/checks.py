@@ -469,8 +469,10 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
 def _form(case: CaseTables) -> Iterator[Problem]:
     """What does not go together with a form error or a moment."""
     form, key = case.form, case.uneven_key
-    if form is not None and "guide" in form.model_fields_set and case.load.moment:
-        yield problem("guide_and_moment", guide=form.guide)
+    if form is not None and "guide" in form.model_fields_set:
+        circle = None if case.bolts is None else case.bolts.circle
+        if case.load.moment or (circle is not None and circle.moment):
+            yield problem("guide_and_moment", guide=form.guide, bolts=not case.load.moment)
     if curves(case) and key is not None:
         bodies = [
             case.key_of(name)

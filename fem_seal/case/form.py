@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from fem_seal.bolts import BoltCircle
 from fem_seal.case.fields import Quantity, Table, WholeNumber, show
 from fem_seal.errors import Problem, TextTableError
 from fem_seal.files import problem
@@ -231,7 +232,13 @@ class Form(Table):
                 remarks.append(problem("across_normal", body=name, direction=part.direction, other=way))
         return remarks
 
-    def error(self, angle: float, initial_contact_radius: float, moment: float = 0.0) -> FormError:
+    def error(
+        self,
+        angle: float,
+        initial_contact_radius: float,
+        moment: float = 0.0,
+        bolts: BoltCircle | None = None,
+    ) -> FormError:
         """What the table does to the gap.
 
         Parameters
@@ -241,7 +248,9 @@ class Form(Table):
         initial_contact_radius : float
             [m]
         moment : float
-            That the contact carries [N m].
+            Of the load [N m].
+        bolts : BoltCircle, optional
+            One by one.
         """
         normal, offset = _normal(angle), (self.eccentricity, self.eccentricity_angle)
         waves = [
@@ -263,7 +272,7 @@ class Form(Table):
         grooves = [cut.groove for cut in self.scratches] + ([] if self.lay is None else [self.lay.groove])
         guided = self.guide == "guided"
         return FormError(
-            combine_waves(waves), guided, tolerance, highest, tuple(remarks), tuple(grooves), moment
+            combine_waves(waves), guided, tolerance, highest, tuple(remarks), tuple(grooves), moment, bolts
         )
 
 

@@ -498,18 +498,20 @@ class CaseTables(Table):
 
     @property
     def uneven_key(self) -> str | None:
-        """What makes the line load uneven: [form], or the entry of [load] with a moment; None without either."""
-        if self.form is not None or not self.load.moment:
-            return None if self.form is None else "form"
-        return "load.bending_moment" if self.load.bending_moment else "load.side_force"
+        """What makes the line load uneven: [form], a moment of [load], or bolts one by one; None without any."""
+        if self.form is not None:
+            return "form"
+        if self.load.moment:
+            return "load.bending_moment" if self.load.bending_moment else "load.side_force"
+        return None if self.bolts is None or self.bolts.circle is None else "bolts.circle_diameter"
 
     @property
     def form_error(self) -> FormError | None:
-        """Form and moment of an uneven seal; None of an even one."""
+        """Form, moment and bolts of an uneven seal; None of an even one."""
         if self.uneven_key is None:
             return None
-        form = self.form or Form()
-        return form.error(self.contact.angle, self.initial_contact_radius, self.load.moment)
+        form, bolts = self.form or Form(), None if self.bolts is None else self.bolts.circle
+        return form.error(self.contact.angle, self.initial_contact_radius, self.load.moment, bolts)
 
     @property
     def on_sealed_area(self) -> bool:

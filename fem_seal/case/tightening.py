@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
-from fem_seal.bolts import Bolts, stiffness_of
+from fem_seal.bolts import BoltCircle, Bolts, stiffness_of
 from fem_seal.case.bolts import BoltsTable
 from fem_seal.case.tables import CaseTables, Load
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import problem
 from fem_seal.materials import ROOM_TEMPERATURE
+from meshes.errors import mm
 
 
 def apply_preloads(load: Load, table: BoltsTable) -> Load:
@@ -73,7 +75,8 @@ def bolts_of(case: CaseTables) -> Bolts | None:
     if modulus is None:
         assert material is not None  # of the validation
         modulus = material.at(at).youngs_modulus
-    stiffness = stiffness_of(table.number, modulus, table.area, table.length, table.stiffness or math.inf)
+    tight = table.number if table.tightness is None else sum(t > 0 for t in table.tightness)
+    stiffness = stiffness_of(tight, modulus, table.area, table.length, table.stiffness or math.inf)
     return Bolts(
         table.number,
         table.area,
@@ -82,6 +85,7 @@ def bolts_of(case: CaseTables) -> Bolts | None:
         table.torque_factor,
         table.torque_scatter,
         case.faces,
+        table.circle,
     )
 
 
@@ -106,4 +110,23 @@ def problems_of_bolts(case: CaseTables, table: BoltsTable) -> list[Problem]:
     least_force = min(force for _, force in case.load.points)
     if bolts is not None and not least_force + bolts.thermal_force > 0:
         faults.append(problem("bolts_loose", lost=-bolts.thermal_force, preload=least_force))
+    if table.circle is not None:
+        faults += _problems_of_circle(case, table.circle)
     return faults
+
+
+def _problems_of_circle(case: CaseTables, circle: BoltCircle) -> Iterator[Problem]:
+    """Bolts that do not stand on the closure's top, or all on one side of the seal."""
+    radii = [
+        r
+        for segment in case.contact.closure.segments
+        if segment.name == "closure_top"
+        for r, _ in (segment.start, segment.end)
+    ]
+    given = 2 * circle.radius
+    if not min(radii) <= circle.radius <= max(radii):
+        ends = {"least": mm(2 * min(radii)), "most": mm(2 * max(radii))}
+        yield problem("bolts_beside", circle=mm(given), **ends, **case.labels)
+    lever, most = abs(circle.moment), case.initial_contact_radius
+    if lever >= most:
+        yield problem("bolts_tip", lever=mm(lever), radius=mm(most), **case.labels)

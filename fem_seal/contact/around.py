@@ -82,6 +82,18 @@ class Stiffening:
         """
         return 0.0 if n > self.highest else n * float(self._answer(n)[1])
 
+    def closing(self, n: int, radius: float) -> float:
+        """By how much a force on a circle of the closure's top that waves n times closes the gap [m/N].
+
+        Parameters
+        ----------
+        n : int
+            Two or more.
+        radius : float
+            Of the circle [m].
+        """
+        return float(self._forces @ self.model.harmonics[0].push(n, radius) / self._forces.sum())
+
     def _answer(self, n: int) -> FloatArray:
         """By how much c_n - c_0 differs from that of half-spaces, and the bend over n."""
         return self._spline(-(n**-0.5)) if n > 1 and n not in self._harmonics else self._ask_bodies(n)
@@ -164,7 +176,7 @@ def line_load_around(
     *,
     symmetry: int = 1,
     guided: bool = False,
-    first: float = 0.0,
+    first: complex = 0.0,
     start: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Line load and approach at uniform angles of one period of the form error.
@@ -182,8 +194,8 @@ def line_load_around(
         How often the form error repeats itself around the axis.
     guided : bool
         Whether the closure takes a lateral force and a moment.
-    first : float
-        Amplitude of the first harmonic that a given moment asks for, where neither guided nor symmetric [N/m].
+    first : complex
+        First harmonic that a given moment asks for, a of Re(a exp(i phi)), where neither guided nor symmetric [N/m].
     start : ndarray, shape (m,), optional
         Line load from which it is looked for; even unless given [N/m].
 
@@ -271,7 +283,8 @@ class _Ring:
 
     def missing_resultants(self, line_load: FloatArray, problem: _Problem) -> FloatArray:
         """What a line load lacks of the given resultants [N/m]: its mean, and unless guided its first harmonic."""
-        resultants = np.array([problem.mean, 0.5 * problem.first, 0.0][: len(self.rigid)])
+        first = 0.5 * problem.first
+        resultants = np.array([problem.mean, first.real, -first.imag][: len(self.rigid)])
         return resultants - self.rigid @ line_load / line_load.shape[-1]
 
     def step(
@@ -316,7 +329,7 @@ class _Problem(NamedTuple):
     ring: _Ring
     gap: FloatArray
     mean: float
-    first: float
+    first: complex
 
 
 def _solve_in_logarithms(problem: _Problem, start: FloatArray) -> Solution | None:

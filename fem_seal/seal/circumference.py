@@ -20,14 +20,18 @@ from fem_seal.profile import PressureProfile
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from fem_seal.bolts import BoltCircle
     from fem_seal.contact.local_contact import LocalContact
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
     from fem_seal.seal.leak_model import ProfileLeak
     from leak import LeakBounds, LeakResult
 
-# Angles for each wave of the highest harmonic; a moment, which may lift one side, counts as so many waves.
+# Angles for each wave of the highest harmonic; a moment or bolts, which may lift one side, count as so many waves.
 ANGLES_PER_WAVE, _OF_MOMENT = 64, 4
+# Highest harmonic of bolts, and the share of the largest gap below which the next ones are none: what a force moves
+# below it falls steeply with its waves.
+_MOST_OF_BOLTS, _LEAST_OF_BOLTS = 64, 1e-4
 # Harmonics to which the bodies are asked, of a form that repeats itself in units of its period; beyond them they answer
 # as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with this share of all
 # amplitudes.
@@ -73,6 +77,8 @@ class Circumference:
         By how much the waving part of the line load bends the gap across the width, in x^2 [1/m].
     tilt : Wave or None
         Of the gap, by a closure that tilts until the contact carries the given moment; None without one.
+    bolts_gap : ndarray, shape (m,), or None
+        What bolts one by one would add to the gap if the contact did not even it out, without the tilt [m].
     leak_rate : ndarray, shape (m,), or None
         Of the fluid that flows straight across at each angle [m^3/s per radian]; None without roughness or fluid.
     leak : LeakResult or None
@@ -92,6 +98,7 @@ class Circumference:
     approach: FloatArray = field(repr=False)
     bend: FloatArray = field(repr=False)
     tilt: Wave | None = None
+    bolts_gap: FloatArray | None = field(default=None, repr=False)
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
     bounds: tuple[LeakBounds[Any], ...] = field(default=(), repr=False)
@@ -117,8 +124,9 @@ class Circumference:
 
     @property
     def moved_gap(self) -> FloatArray:
-        """What form error and tilt add to the gap [m]."""
-        return self.gap_change if self.tilt is None else self.gap_change + self.tilt.at(self.angle)
+        """What form error, bolts and tilt add to the gap [m]."""
+        tilt = 0.0 if self.tilt is None else self.tilt.at(self.angle)
+        return self.gap_change + tilt + (0.0 if self.bolts_gap is None else self.bolts_gap)
 
     @property
     def tilt_angle(self) -> float:
@@ -389,9 +397,10 @@ def solve_both_around(
     circumference = solve_around(form, local, start)
     if before is None:
         return circumference
-    # bolts are tightened, and springs set, before something bends the seal
-    form_before = replace(circumference.form, moment=0.0)
-    angles = len(circumference.angle) if form.moment else None
+    # bolts are tightened, and springs set, before something bends the seal, and without fluid
+    bolts = form.bolts and replace(form.bolts, force=before.mean.pressing_force)
+    form_before = replace(circumference.form, moment=0.0, bolts=bolts)
+    angles = len(circumference.angle) if form.moment or bolts else None
     # the waves that fill a tolerance are not known beforehand
     start_before = start.before if start is not None and form.tolerance is None else None
     return replace(circumference, before=solve_around(form_before, before, start_before, angles))
@@ -425,7 +434,9 @@ def solve_around(
             key=lambda circumference: circumference.least_over_mean,
         )
     mean, repeats = local.mean, 1 if angles else form.symmetry
-    size = angles or ANGLES_PER_WAVE * max(form.highest // repeats, _OF_MOMENT if form.moment else 1)
+    uneven_force = _OF_MOMENT if form.moment or form.bolts else 1
+    bolts = 0 if form.bolts is None else min(len(form.bolts.angles), _HARMONICS)
+    size = angles or ANGLES_PER_WAVE * max(max(form.highest, bolts) // repeats, uneven_force)
     if not form.uneven:
         angle = _angles(size * repeats)
         mean_load = np.full_like(angle, mean.line_load)
@@ -435,17 +446,19 @@ def solve_around(
         )
     r0 = mean.model.initial_contact_radius
     # f_1, of M = pi r0^2 n_z f_1
-    first = form.moment / (math.pi * r0**2 * mean.model.touch_normal_z)
+    moment = form.carried_moment
+    first = moment / (math.pi * r0**2 * mean.model.touch_normal_z)
     if abs(first) >= 2.0 * mean.line_load:
         raise OpenSealError(
-            problem("tipped", moment=form.moment, force=mean.contact_force, most=mean.contact_force * r0)
+            problem("tipped", moment=abs(moment), force=mean.contact_force, most=mean.contact_force * r0)
         )
     gap = form.gap(_angles(size) / repeats)
     stiffening = Stiffening(mean.model, mean.pressure, _highest_harmonic(form), repeats, local.openings)
+    bolts_gap = None if form.bolts is None else _gap_of_bolts(form.bolts, stiffening, size)
     f, approach = line_load_around(
         local,
         stiffening,
-        gap,
+        gap if bolts_gap is None else gap + bolts_gap,
         mean.line_load,
         symmetry=repeats,
         guided=form.guided,
@@ -453,19 +466,40 @@ def solve_around(
         start=None if start is None else mean.line_load * start.over_mean[:size],
     )
     modes = np.fft.rfft(f)
-    free = repeats == 1 and not (form.guided or form.moment)
+    free = repeats == 1 and not (form.guided or moment)
     felt = range(2 if free else 1, stiffening.highest // repeats + 1)
     bends = np.zeros_like(modes)
     for n in felt:
         bends[n] = stiffening.bend(n * repeats) * modes[n]
     bend = np.fft.irfft(bends, size)
     tilt = None
-    if form.moment:
+    if moment:
         # of h = d n_z - D - (c_1 - c_0) f_1
         phasor = -2.0 / size * (np.fft.rfft(approach)[1] + stiffening(1) * modes[1])
         tilt = Wave(1, abs(phasor), -float(np.angle(phasor)))
     gap, f, approach, bend = (np.tile(values, repeats) for values in (gap, f, approach, bend))
-    return Circumference(form, local, _angles(size * repeats), gap, f, approach, bend, tilt)
+    bolts_gap = None if bolts_gap is None else np.tile(bolts_gap, repeats)
+    return Circumference(form, local, _angles(size * repeats), gap, f, approach, bend, tilt, bolts_gap)
+
+
+def _gap_of_bolts(bolts: BoltCircle, stiffening: Stiffening, size: int) -> FloatArray:
+    """What bolts add to the gap at the angles of one period, by harmonics from the second on [m], shape (size,).
+
+    The mean is the load of the round seal, and the first a moment, which tilts the closure until the contact has it.
+    """
+    modes, period = np.zeros(size // 2 + 1, dtype=complex), stiffening.period
+    largest = 0.0
+    for n in range(period if period > 1 else 2, min(_MOST_OF_BOLTS, period * (size // 2 - 1)) + 1, period):
+        # of bolts that repeat themselves more often than the form most harmonics are none
+        force = bolts.wave(n) if n % bolts.period == 0 else 0j
+        if not force:
+            continue
+        closing = stiffening.closing(n, bolts.radius)
+        modes[n // period] = -0.5 * size * force * closing
+        largest = max(largest, 2.0 * bolts.force * abs(closing))
+        if 2.0 * bolts.force * abs(closing) < _LEAST_OF_BOLTS * largest:
+            break
+    return np.fft.irfft(modes, size)
 
 
 def _highest_harmonic(form: FormError) -> int:

@@ -213,9 +213,7 @@ class LoadSolver:
 
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
         """A fluid pressure [Pa], and the applied force of a contact under it [N]."""
-        if self.problem.on_sealed_area:
-            return fluid_pressure, contact.pressing_force - self.fluid_force(fluid_pressure)
-        return fluid_pressure, contact.applied_force
+        return fluid_pressure, self.problem.applied_force(contact, fluid_pressure)
 
     def at_contact_force(
         self,
@@ -273,7 +271,7 @@ class LoadSolver:
             raise OpenSealError("nothing is left for the solid contact")
         contact, circumference = (None, None) if start is None else (start.contact, start.circumference)
         contact, force = self.at_contact_force(fluid_pressure, contact_force, contact, progress)
-        circumference = self.problem.circumference(contact, start=circumference)
+        circumference = self.problem.circumference(contact, fluid_pressure, circumference)
         return load_results(self.problem, [(fluid_pressure, force)], [contact], [circumference])[0]
 
     def _solve_tightened(
@@ -515,7 +513,7 @@ def solve_loads(
             else:
                 bolt_point, contact = solver.solve_bolts(numbers[0], bolts)
                 bolt_loads.update(dict.fromkeys(numbers, bolt_point))
-            circumference = problem.circumference(contact)
+            circumference = problem.circumference(contact, point[0])
         except _NO_SOLUTION as error:
             failures.update(dict.fromkeys(numbers, error))
             continue

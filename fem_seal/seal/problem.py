@@ -483,6 +483,12 @@ class SealProblem:
         circle, side = self.initial_contact_radius, self.loads.pressure_side
         return expected_force(circle, fluid_pressure, applied_force, side, closing)
 
+    def applied_force(self, contact: ContactSolution, fluid_pressure: float) -> float:
+        """Force of spring, actuator or bolts on a contact under a fluid pressure [Pa] [N]."""
+        if self.on_sealed_area:
+            return contact.pressing_force - self.expected_force(fluid_pressure, 0.0)
+        return contact.applied_force
+
     @property
     def hardness(self) -> float | None:
         """Penetration hardness of the softer body, whether asperities yield or not [Pa]; None where none is known."""
@@ -532,15 +538,15 @@ class SealProblem:
         return self.loads.along_path or bool(self.curves)
 
     def circumference(
-        self, contact: ContactSolution, law: Law | None = None, start: Circumference | None = None
+        self, contact: ContactSolution, fluid_pressure: float, start: Circumference | None = None
     ) -> Circumference | None:
         """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
 
         Parameters
         ----------
         contact : ContactSolution
-        law : Law, optional
-            With which it was solved; the problem's own unless given.
+        fluid_pressure : float
+            Of its load [Pa]: what it takes of the contact's force is not of the bolts.
         start : Circumference, optional
             Of a contact between the same points and a form error of the same waves, both close to these.
 
@@ -553,13 +559,16 @@ class SealProblem:
         from fem_seal.contact.local_contact import LocalContact
         from fem_seal.seal.circumference import solve_both_around
 
-        law, contact = law or self.law, contact.without_stop
-        local = LocalContact(contact, law, None if start is None else start.local)
+        contact, form = contact.without_stop, self.form
+        if form.bolts is not None:
+            force = self.applied_force(contact, fluid_pressure)
+            form = replace(form, bolts=replace(form.bolts, force=force))
+        local = LocalContact(contact, self.law, None if start is None else start.local)
         if contact.earlier is None or contact.largest is None:
-            return solve_both_around(self.form, local, None, start)
+            return solve_both_around(form, local, None, start)
         local_before = None if start is None or start.before is None else start.before.local
-        earlier = LocalContact(contact.earlier.without_stop, law, local_before)
-        return solve_both_around(self.form, local, earlier, start)
+        earlier = LocalContact(contact.earlier.without_stop, self.law, local_before)
+        return solve_both_around(form, local, earlier, start)
 
     @property
     def leaks(self) -> bool:
@@ -908,7 +917,7 @@ class SealFlow:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
         from fem_seal.seal.circumference import LeakCurve
 
-        circumference = self.problem.circumference(contact)
+        circumference = self.problem.circumference(contact, fluid_pressure)
         if circumference is None:
             return self.leak(contact.whole_profile, fluid_pressure)
         flow = ProfileLeak(

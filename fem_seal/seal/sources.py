@@ -332,7 +332,9 @@ class NeighbourSource(Source):
             load = self.loads[number]
             same = contact is load.contact and problem.form is self.solved_problem.form
             circumference = (
-                load.circumference if same else problem.circumference(contact, start=load.circumference)
+                load.circumference
+                if same
+                else problem.circumference(contact, load.fluid_pressure, load.circumference)
             )
             circumferences += [] if circumference is None else [circumference]
         return SolvedLoads(contacts, circumferences=circumferences)

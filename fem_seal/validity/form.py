@@ -63,6 +63,9 @@ def _short_waves(loads: Sequence[LoadResult], circumferences: _Circumferences) -
     waves_felt = circumferences[0][1].form.felt_waves
     total = sum(abs(wave.amplitude) for wave in waves_felt)
     waves = max((wave.waves for wave in waves_felt if abs(wave.amplitude) > _COUNTS * total), default=1)
+    if (of_bolts := circumferences[0][1].bolts_gap) is not None:
+        amplitudes = np.abs(np.fft.rfft(of_bolts))
+        waves = max(waves, *np.flatnonzero(amplitudes > _COUNTS * amplitudes.sum()).tolist(), 1)
     load, _ = max(circumferences, key=lambda pair: pair[0].std)
     std, r0 = load.std, load.contact.model.initial_contact_radius
     share = waves * std / r0

@@ -24,7 +24,7 @@ def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
     load, bolts = result.highest, result.bolts
     state, at = load.bolts, load_name(load, result.loads, display)
     assert bolts is not None and state is not None  # of all who ask
-    heat = bolts.bolts.thermal_force / bolts.bolts.number
+    heat = bolts.bolts.thermal_force / bolts.bolts.equivalent_number
     yield from say_all(display, "bolts", "state", load=at, bolts=bolts.bolts, state=state, heat=heat)
     if load.at_preload_ends is not None:
         volume = volume_of(result.case)
@@ -44,7 +44,8 @@ def _sentences(result: SealSolution, display: Display) -> Iterator[str]:
         and state.preload_for_target is not None
     ):
         of_target = target_text(result, target)
-        yield from say_all(display, "bolts", "target", target=of_target, load=at, state=state)
+        words = {"target": of_target, "load": at, "bolts": bolts.bolts, "state": state}
+        yield from say_all(display, "bolts", "target", **words)
 
 
 def bolt_table(result: SealSolution) -> ReadableTable:
@@ -62,15 +63,15 @@ def _numbers(result: SealSolution) -> dict[str, Any] | None:
 
 
 def _page(result: SealSolution, display: Display) -> AnswerPage:
-    load = result.highest
-    if load.bolts is None:
+    load, bolts = result.highest, result.bolts
+    if load.bolts is None or bolts is None:
         return AnswerPage()
     sentences = list(_sentences(result, display))
     preload = display.quantity(load.bolts.preload, "force 3")
     at = load_name(load, result.loads, display)
     return AnswerPage(
         tiles=[Tile("Preload of the bolts", preload, say(display, "bolts", "torque", state=load.bolts), 25)],
-        why=[say(display, "bolts", "carried", load=at, state=load.bolts)],
+        why=[say(display, "bolts", "carried", load=at, bolts=bolts.bolts, state=load.bolts)],
         section=worded_section(display, "bolts", sentences, bolt_table(result)),
         details=sentences,
     )

@@ -51,7 +51,7 @@ def tolerance(result: SealSolution, display: Display) -> str:
 
 
 def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> Iterator[str]:
-    load, moment = result.highest, result.case.load.moment
+    load, form = result.highest, result.problem.form
     at = load_name(load, result.loads, display)
     if load.leak is not None and load.leak_round is not None:
         as_calculated, as_round = (
@@ -65,8 +65,9 @@ def _sentences(result: SealSolution, answers: FormAnswers, display: Display) -> 
             for rates in (as_calculated, as_round)
         )
         state = display.state_of(volume_of(result.case))
+        without = {"moment": form and form.moment, "bolts": form and form.bolts}
         yield from say_all(
-            display, "form", "leak", load=at, rate=rate, round=of_round, state=state, moment=moment
+            display, "form", "leak", load=at, rate=rate, round=of_round, state=state, **without
         )
     yield from say_all(display, "form", "worst", answers=answers, load=at)
     if load.circumference is not None and load.circumference.form.uneven:
@@ -202,7 +203,8 @@ def _of_load(load: CaseLoad, result: SealSolution, display: Display) -> list[str
     turn = None if around.leak_rate is None else turn_that_leaks(around.leak_rate, _MOST)
     at, places = load_name(load, result.loads, display), {"angles": angles, "width": width, "turn": turn}
     most = load.contact_force * load.contact.model.initial_contact_radius
-    words = {"load": at, "around": around, "named": _NAMED, "share": _MOST, "most": most}
+    loosest = () if around.form.bolts is None else around.form.bolts.loosest
+    words = {"load": at, "around": around, "named": _NAMED, "share": _MOST, "most": most, "loosest": loosest}
     return say_all(display, "form", "around", **words, **places, **result.case.labels)
 
 
@@ -214,8 +216,10 @@ def _page(result: SealSolution, display: Display) -> AnswerPage:
     at = load_name(load, result.loads, display)
     details = [*uneven, *sentences]
     section = worded_section(display, "around", details, curve_table(result), waves_table(result), load=at)
-    # what a moment does stands first of what is uneven
-    said = [*(uneven[:2] if result.case.load.moment else ()), *filter(None, [first])]
+    # what a moment or bolts do stands first of what is uneven
+    form = result.problem.form
+    pressed = form is not None and (form.moment or form.bolts)
+    said = [*(uneven[:2] if pressed else ()), *filter(None, [first])]
     return AnswerPage(first=said, why=uneven[:2], section=section, details=sentences)
 
 

@@ -104,6 +104,7 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
         figure,
         "line_load_around",
         "both",
+        "bolts" if around.form.bolts else "",
         "" if around.form.guided or around.tilt else "free",
         **result.case.labels,
     )
@@ -121,8 +122,13 @@ def _form_error(display: Display, axes: Axes, around: Circumference, circle: Flo
     axes.set_ylim(0.0, base + 1.25 * largest / unit.size)
     ticks = [-step, 0.0, step] if step else [0.0]
     axes.set_yticks([base + tick for tick in ticks], labels=[_signed(tick) for tick in ticks])
-    what = "Form error" if around.tilt is None else "Tilt and form error"
-    _round_label(axes, f"{what}: change of the gap  [{unit.name}]", own_ticks=True)
+    pressed, tilted = around.bolts_gap is not None, around.tilt is not None
+    has_form = bool(around.form.felt_waves) or not (pressed or tilted)
+    parts = (pressed, "bolts"), (tilted, "tilt"), (has_form, "form error")
+    *before, last = (name for is_part, name in parts if is_part)
+    what = f"{', '.join(before)} and {last}" if before else last
+    title = f"{what.capitalize()}: change of the gap  [{unit.name}]"
+    _round_label(axes, title, own_ticks=True)
 
 
 def _signed(value: float) -> str:
