@@ -19,7 +19,7 @@ from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
 from fem_seal.answers.form import FORM
 from fem_seal.answers.map_files import PressureMap
-from fem_seal.answers.map_leak import face_of, leak_of_map, remarks_of_map
+from fem_seal.answers.map_leak import face_of, leak_of_map, remarks_of_map, with_lay
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
@@ -185,6 +185,7 @@ def solve_map(case: Case, found: PressureMap, progress: Progress | None = None) 
     face = face_of(found, case)
     case = case.over_ring(*face.ring)
     problem = SealProblem.of(case)
+    face = with_lay(face, problem.surface, case)
     _simulate(problem, clock)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads, remarks = leak_of_map(problem, found, face)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
@@ -22,6 +23,7 @@ from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.surface_profile import MapFace, SurfaceLeak, SurfaceProfile
 from fem_seal.validity.checks import profile_validity
 from leak import ContactSurface, LeakError, RoughContact
+from leak.flow.turned_contact import FaceContact
 
 Load = TypeVar("Load", bound=LoadResult)
 
@@ -47,7 +49,7 @@ def face_of(found: PressureMap, case: Case) -> MapFace:
         If the surface cannot be used, or does not tell where the fluid stands.
     """
     table, side = case.map, case.load.pressure_side
-    named = {} if table is None else {name: part for name, part in table if part is not None}
+    named = {} if table is None else table.parts
     if named.keys() == {"wall"}:
         raise InputError(problem_of("map_one_side"), file=case.file)
     try:
@@ -68,6 +70,29 @@ def face_of(found: PressureMap, case: Case) -> MapFace:
         return MapFace(surface, *surface.sides(**sides, pressure_side=side), side == "outer")
     except LeakError as error:
         raise InputError(problem_of("map_edge", why=str(error)), file=case.file) from None
+
+
+def with_lay(face: MapFace, surface: FaceContact | None, case: Case) -> MapFace:
+    """A face with the direction of the lay: that of the case, or around the axis of a face that closes around one.
+
+    Parameters
+    ----------
+    face : MapFace
+    surface : RoughContact or TurnedContact or None
+    case : Case
+    """
+    given, loop = None if case.map is None else case.map.lay, face.surface.points[face.surface.loops[0]]
+    if given is not None:
+        lay = np.broadcast_to(np.array(given), face.surface.normals.shape)
+        # where the number of the roughness is that of flow along its lay, it conducts otherwise across it
+        is_along = isinstance(surface, RoughContact) and surface.peklenik > 1.0
+        return replace(face, lay=np.cross(face.surface.normals, lay) if is_along else lay)
+    if not all(_closed_areas(face)):
+        return face
+    ends = np.stack([loop, np.roll(loop, -1, axis=0)])
+    centre = np.average(ends.mean(axis=0), axis=0, weights=np.linalg.norm(ends[1] - ends[0], axis=1))
+    from_axis = face.surface.points[face.surface.triangles].mean(axis=1) - centre
+    return replace(face, lay=np.cross(_vector_area(loop), from_axis))
 
 
 def _part(found: PressureMap, name: str, part: str | MapPart, case: Case) -> BoolArray:
@@ -111,15 +136,16 @@ def leak_of_map(
     pressures = [every if own is None else [own] for own in found.fluid_pressures]
     refuse_far_too_weak(problem, peaks.tolist(), pressures)
     rough = LeakModel(surface, flow, GivenPressures(others=tuple(peaks[peaks > 0.0].tolist())))
-    assert rough.table is not None  # it has a fluid
-    has_lay = not isinstance(surface, RoughContact) or surface.peklenik != 1.0
-    loads, remarks = list[LoadResult](), [problem_of("map_isotropic")] if has_lay else []
+    ways, loads, remarks = rough.ways_over(face), list[LoadResult](), list[Problem]()
+    if surface.other_way is not surface and len(ways) == 1:
+        remarks.append(problem_of("map_isotropic", simulated=rough.is_direct))
     for number, step in enumerate(found.steps):
         field, opening = found.pressure[number], None if found.gap is None else found.gap[number]
         bare = SurfaceProfile.of(face, field, opening)
         try:
             # on the given triangles and as of a liquid, for the places that let most through
-            flux = bare.flow(flow.permeant(rough.table.liquid, pressures[number][0]), tolerance=1e9).flux
+            liquids = [flow.permeant(table.liquid, pressures[number][0]) for table, _ in ways]
+            flux = bare.flow(*liquids, tolerance=1e9).flux
             profile = SurfaceProfile.of(face, field, opening, flux)
             leaks = [rough.leak(profile, pressure) for pressure in pressures[number]]
         except LeakError as error:
@@ -218,14 +244,7 @@ def _force(face: MapFace, pressure: FloatArray, step: str, *, case: Case) -> Pro
     axis = _vector_area(surface.points[surface.loops[0]])
     carried = float(pressure[surface.triangles].mean(axis=1) @ np.abs(surface.normals @ axis))
     carried /= float(np.linalg.norm(axis))
-    high, low = (
-        sum(
-            float(np.linalg.norm(_vector_area(surface.points[loop])))
-            for loop in surface.loops
-            if side[loop].all()
-        )
-        for side in (face.high, face.low)
-    )
+    high, low = _closed_areas(face)
     # what presses from the outside closes; of sides that are no closed lines only the size of the face is known
     size = float(np.ptp(surface.points[np.unique(surface.triangles)], axis=0).max()) ** 2
     areas = (
@@ -236,6 +255,15 @@ def _force(face: MapFace, pressure: FloatArray, step: str, *, case: Case) -> Pro
     if (1.0 - _OFF) * least <= carried <= (1.0 + _OFF) * most:
         return None
     return problem_of("map_force", step=step, carried=carried, low=least, high=most)
+
+
+def _closed_areas(face: MapFace) -> tuple[float, float]:
+    """Inside the closed lines of the high and of the low side, zero of a side that has none [m^2]."""
+    areas = [
+        (loop, float(np.linalg.norm(_vector_area(face.surface.points[loop])))) for loop in face.surface.loops
+    ]
+    high, low = (sum(area for loop, area in areas if side[loop].all()) for side in (face.high, face.low))
+    return high, low
 
 
 def _vector_area(loop: FloatArray) -> FloatArray:

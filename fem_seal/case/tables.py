@@ -25,6 +25,7 @@ from fem_seal.case.fields import (
     NominalSizeEntry,
     NormalVolume,
     Number,
+    Numbers,
     OneOrMany,
     Pressures,
     Quantity,
@@ -171,11 +172,23 @@ class MapPart(Table):
 
 
 class Map(Table):
-    """[map]: where the fluid stands at the edge of a map of contact pressure."""
+    """[map]: where the fluid stands at the edge of a map of contact pressure, and how the lay of the roughness lies."""
 
     high: str | MapPart | None = None
     low: str | MapPart | None = None
     wall: str | MapPart | None = None
+    lay: Annotated[tuple[float, ...], Numbers(Number(-1e6, 1e6))] | None = None
+
+    @model_validator(mode="after")
+    def _direction(self) -> Map:
+        if self.lay is not None and not (len(self.lay) == 3 and any(self.lay)):
+            raise ValueError(problem("map_lay"))
+        return self
+
+    @property
+    def parts(self) -> dict[str, str | MapPart]:
+        """Of the edge, by their keys."""
+        return {name: part for name in ("high", "low", "wall") if (part := getattr(self, name)) is not None}
 
 
 class Leak(Table):

@@ -13,7 +13,7 @@ import numpy as np
 import leak
 from fem_seal.profile import join_lands
 from fem_seal.sampling import CUT_OFF
-from fem_seal.seal.surface_profile import SurfaceProfile
+from fem_seal.seal.surface_profile import MapFace, SurfaceProfile
 from leak.flow.conductivity import table_abscissa
 from leak.flow.turned_contact import calculated_table
 from leak.numerics.roots import root_between
@@ -337,8 +337,11 @@ class FlowModel:
         """
         ends = (fluid_pressure, 0.0) if self.pressure_side == "inner" else (0.0, fluid_pressure)
         if isinstance(profile, SurfaceProfile):
-            across = partial(self._leak_across, tables[0], profile, *ends)
-            return self._of_all_faces(profile.leak(self.permeant(tables[0], fluid_pressure), across))
+            if profile.share is None:
+                ways = [self.permeant(table, fluid_pressure) for table in tables]
+                return self._of_all_faces(profile.leak(*ways))
+            flow = self._leak_across(tables[0], profile, *ends)
+            return self._of_all_faces(flow.scaled(profile.share * flow.leak_rate))
         lands = profile.lands
         if len(lands) > 1:
             from leak.flow.series import SeriesContact, in_series
@@ -591,7 +594,29 @@ class LeakModel:
         """
         if self.flow is None or self.table is None:
             return None
+        if isinstance(profile, SurfaceProfile) and profile.share is None:
+            ways = self.ways_over(profile.face)
+            tables = [table for way in ways for table in self.flow.in_lands(*way, profile)]
+            return self.flow.leak_by(tables, profile, fluid_pressure)
         return self.flow.leak_of(self.table, self.surface, profile, fluid_pressure)
+
+    def ways_over(self, face: MapFace) -> list[tuple[Conductivity, FaceContact]]:
+        """Flow conductivity with its surface, and those in the other direction where the lay is known on a face.
+
+        Parameters
+        ----------
+        face : MapFace
+        """
+        assert self.flow is not None  # of all who ask
+        other = self.surface.other_way
+        # simulations of the flow are made in one direction
+        is_one = face.lay is None or other is self.surface or self.is_direct
+        ways = (
+            [(self.table, self.surface)]
+            if is_one
+            else [(self.table, self.surface), (self.make(self.flow, other), other)]
+        )
+        return [(table, surface) for table, surface in ways if table is not None]
 
     def leak_pressed_up_to(
         self, most: float, profile: PressureProfile, fluid_pressure: float

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -35,12 +34,15 @@ class MapFace:
         Masks of the points of both sides, see `ContactSurface.sides`.
     outwards : bool
         Whether the low side is the inner one, at which a profile across begins.
+    lay : ndarray, shape (3,) or (t, 3), or None
+        Direction in which the roughness conducts as it does in its other direction, of each triangle; None: as in all.
     """
 
     surface: ContactSurface
     high: BoolArray
     low: BoolArray
     outwards: bool = True
+    lay: FloatArray | None = None
 
     @property
     def _ends(self) -> tuple[BoolArray, BoolArray]:
@@ -199,35 +201,33 @@ class SurfaceProfile(PressureProfile):
         """The same where the profile stands for the surface, with the share of what leaks over it."""
         return replace(self, share=share)
 
-    def flow(self, permeant: Permeant, tolerance: float = 0.02) -> SurfaceFlow:
+    def flow(
+        self, permeant: Permeant, along: Permeant | None = None, *, tolerance: float = 0.02
+    ) -> SurfaceFlow:
         """Flow over the surface.
 
         Parameters
         ----------
-        permeant : LiquidPermeant or GasPermeant
+        permeant, along : LiquidPermeant or GasPermeant
+            In the direction of the flow that the roughness is given for and, of one with a lay, in the other one.
         tolerance : float
             To which triangles are refined.
         """
         from leak.flow.surface_flow import flow_over
 
-        sides = self.face.high, self.face.low
-        return flow_over(
-            self.face.surface, self.field, permeant, sides, gap=self.opening, tolerance=tolerance
-        )
+        face, lay = self.face, None if along is None else self.face.lay
+        sides = face.high, face.low
+        return flow_over(face.surface, self.field, permeant, sides, self.opening, along, lay, tolerance)
 
-    def leak(self, permeant: Permeant, across: Callable[[], LeakResult]) -> LeakResult:
+    def leak(self, permeant: Permeant, along: Permeant | None = None) -> SurfaceLeak:
         """What leaks over the surface.
 
         Parameters
         ----------
-        permeant : LiquidPermeant or GasPermeant
-        across : callable
-            Gives what leaks through the profile.
+        permeant, along : LiquidPermeant or GasPermeant
+            See `flow`.
         """
-        if self.share is not None:
-            flow = across()
-            return flow.scaled(self.share * flow.leak_rate)
-        found = self.flow(permeant)
+        found = self.flow(permeant, along)
         result = found.result.above_outlet
         values = {one.name: getattr(result, one.name) for one in fields(LeakResult)}
         at_points = result.fluid_pressure

@@ -270,6 +270,11 @@ class RoughContact:
         return self._at_rest(p, self._flow_of(BulkStrain(m, h)))
 
     @property
+    def other_way(self) -> RoughContact:
+        """The same surface for flow in the other direction; itself without a lay."""
+        return self if self.peklenik == 1.0 else replace(self, peklenik=1.0 / self.peklenik)
+
+    @property
     def elastic(self) -> RoughContact:
         """The same surface without asperity plasticity."""
         return self.reading(Reading.ELASTIC)

@@ -422,6 +422,11 @@ class TurnedContact:
         return replace(self, thread_radius=math.inf) if self._has_thread else self
 
     @property
+    def other_way(self) -> TurnedContact:
+        """The same crests for flow along them: through the valleys, as along a thread that leads straight across."""
+        return replace(self, thread_radius=self.texture.mean_feed / (2.0 * math.pi))
+
+    @property
     def _has_thread(self) -> bool:
         return math.isfinite(self.thread_radius)
 

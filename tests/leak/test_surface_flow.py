@@ -282,6 +282,24 @@ def test_lay(long):
     assert found.leak_rate == pytest.approx((0.01 * steep if long else 100 * flat) * DROP, rel=1e-2)
 
 
+@pytest.mark.parametrize("degrees", [0, 30, 90])
+def test_lay_along_spirals_of_a_ring(degrees):
+    """psi depends on r alone, whatever flows around: 2 pi sigma_rr/ln 2."""
+    surface, x, _ = ring(40, 240)
+    out = surface.points[surface.triangles].mean(axis=1)
+    a, around = np.radians(degrees), np.cross([0.0, 0.0, 1.0], out)
+    lay = np.cos(a) * out + np.sin(a) * around
+    found = leak.surface_flow(surface, 1e6 + 0 * x, even, DROP, along=lambda p: 9 * even(p), lay=lay)
+    radial = (9 * np.cos(a) ** 2 + np.sin(a) ** 2) * S
+    deviation = found.leak_rate * np.log(2) / (2 * np.pi * radial * DROP) - 1
+    assert abs(deviation) < min(found.error, 2e-3)
+    # sigma_rt flows around where sigma_rr comes in
+    flows = [np.vecdot(found.flux, way) @ (surface.areas / np.vecdot(out, out)) for way in (out, around)]
+    assert flows[1] == pytest.approx(
+        flows[0] * 8 * np.cos(a) * np.sin(a) * S / radial, abs=5e-3 * abs(flows[0])
+    )
+
+
 def test_gap_where_nothing_touches():
     surface, x, _ = strip(81, 41)
     found = across(surface, x, 0 * x, even, gap=1e-5 * (1 + x), viscosity=1e-3)

@@ -205,6 +205,9 @@ def test_the_thread_conducts_as_its_groove():
         / (12.0 * 1e-3)
     )
     assert face.spiral_conductivity(p, 1e-3, r_0) == pytest.approx(expected, rel=1e-2)
+    # along the groove there is nothing to go around for
+    along = expected * (2.0 * math.pi * r_0 / face.feed) ** 2
+    assert face.other_way.conductivity_table(1e5, 1e8).conductivity(p, 1e-3) == pytest.approx(along, rel=1e-2)
 
 
 @pytest.mark.parametrize(

@@ -138,6 +138,40 @@ def test_strip_with_named_sides_leaks_like_the_ring(tmp_path: Path) -> None:
         assert found.loads[0].leak.leak_rate == pytest.approx(of_ring.loads[0].leak.leak_rate, rel=0.01)
 
 
+ENDS = {"high": {"field": "side", "value": 1}, "low": {"field": "side", "value": 2}}
+LAID = TABLES["roughness"] | {"peklenik": 0.2}
+
+
+def test_lay_of_a_strip_and_of_a_ring(tmp_path: Path) -> None:
+    """Across and along the flow as a number and its inverse; oblique as both side by side, by a concave function."""
+    water = INNER | {"fluid": {"name": "water"}}
+
+    def rate(file: Path, number: float, **of_map: Any) -> float:
+        tables = TABLES | water | {"roughness": LAID | {"peklenik": number}, "map": of_map or None}
+        found = fem_seal.leak_of_pressure_map(file, tables, field="CPRESS", **UNITS)
+        assert not [text for text in found.warnings if "lay gives its direction" in text]
+        return float(found.table["leak_rate_m3_per_s"][0])
+
+    strip, band = strip_file(tmp_path), ring_file(tmp_path, np.repeat(P, 90))
+    across, along = rate(band, 0.2), rate(band, 5.0)
+    assert along > 5.0 * across
+    assert rate(strip, 0.2, lay=[1, 0, 0], **ENDS) == pytest.approx(across, rel=0.01)
+    for number in (0.2, 5.0):
+        assert rate(strip, number, lay=[0, -2, 0], **ENDS) == pytest.approx(along, rel=0.01)
+    mean = 0.5 * (across + along)
+    for oblique in (rate(strip, 0.2, lay=[1, 1, 0], **ENDS), rate(band, 0.2, lay=[1, 0, 0])):
+        assert mean < oblique < 1.03 * mean
+
+
+def test_a_lay_without_a_direction_is_told(tmp_path: Path) -> None:
+    found = fem_seal.leak_of_pressure_map(
+        strip_file(tmp_path), TABLES | {"roughness": LAID, "map": ENDS}, field="CPRESS", **UNITS
+    )
+    assert [text for text in found.warnings if "[map] lay gives its direction" in text]
+    with pytest.raises(InputError, match=r"map.*lay must be a direction"):
+        fem_seal.Case(**TABLES | {"map": {"lay": [0, 0, 0]}})
+
+
 @pytest.mark.slow
 def test_steps_and_uneven_pressure(tmp_path: Path) -> None:
     """Pressure that varies around a narrow ring: each angle leaks by itself; the interval holds the other theory."""
@@ -210,7 +244,6 @@ def test_doubtful_maps_are_said_so(tmp_path: Path, words: str) -> None:
     assert not [text for other in WARNINGS if other != words for text in found.warnings if other in text]
 
 
-ENDS = {"high": {"field": "side", "value": 1}, "low": {"field": "side", "value": 2}}
 # Of 1.80 kN on the strip. With its ends joined fluid acts on the 616 to 670 mm2 inside, against the force; with open
 # ends on an area that is not known, at most 90 mm squared.
 CARRIED = {
