@@ -19,7 +19,6 @@ from fem_seal.cli.app import main
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 
-U0 = 50e-6
 STIFF = {"youngs_modulus": "1000 GPa", "poissons_ratio": 0.3}
 # 800 N in all of four
 BOLTS = {
@@ -93,8 +92,9 @@ def test_moment_of_a_loose_bolt() -> None:
 # ---------------------------------------------------------------- line load
 
 
-def test_a_slender_flange_against_a_ring_on_a_layer() -> None:
-    """Four bolts, one loose, on a flange of 4 mm by 4 mm around a circle of 120 mm: to 1 %.
+@pytest.mark.parametrize(("u0", "least"), [(50e-6, 0.02), (10e-6, 1e-3)])
+def test_a_slender_flange_against_a_ring_on_a_layer(u0: float, least: float) -> None:
+    """Four bolts, one loose, on a flange of 4 mm by 4 mm around a circle of 120 mm, all around and nearly lifted off.
 
     The thin ring out of its plane (w_n = R^4/(E I) out_of_plane(n) (bolts_n - f_n)/R per length) on a layer
     u0 ln f = w + rigid motion, both in harmonics, solved at once.
@@ -106,6 +106,7 @@ def test_a_slender_flange_against_a_ring_on_a_layer() -> None:
             {"tightness": [1, 1, 0, 1], "circle_diameter": "120 mm"},
             closure={**flange, "edge_radius": "0.02 mm", "material": steel},
             gasket={**RING, "mean_diameter": "120 mm"},
+            interface={"law": "exponential", "u0": f"{u0} m", "p_c": "100 MPa"},
         )
     )
     size, radius = 128, 0.06
@@ -126,14 +127,15 @@ def test_a_slender_flange_against_a_ring_on_a_layer() -> None:
         rigid = motion[0] + motion[1] * np.cos(angle) + motion[2] * np.sin(angle)
         first = (modes[1] - pressing[1]) / size
         resultants = np.array([modes[0].real / size - mean, first.real, first.imag])
-        return np.append(log_f - rigid - moved / U0, resultants / mean)
+        return np.append(log_f - rigid - moved / u0, resultants / mean)
 
     solved = root(excess, np.zeros(size + 3))
     assert solved.success, solved.message
     expected = np.exp(solved.x[:size])
     ours = np.interp(angle, found.angle, found.over_mean)
-    assert expected.max() > 1.3 and expected.min() < 0.4
-    np.testing.assert_allclose(ours, expected, rtol=0.01)
+    assert expected.max() > 1.3 and expected.min() < least
+    # of the largest: what thin rings leave of the flange's compliance, as in test_moment
+    np.testing.assert_allclose(ours, expected, atol=0.02 * expected.max())
 
 
 def test_many_bolts_on_a_thick_disc_press_evenly() -> None:
