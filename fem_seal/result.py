@@ -573,7 +573,8 @@ def direct(
     """
     from fem_seal.seal.direct import BulkPath
     from fem_seal.seal.evaluate import evaluate
-    from fem_seal.seal.problem import SealProblem, direct_settings, rough_contact
+    from fem_seal.seal.problem import SealProblem, direct_settings
+    from fem_seal.seal.rough_faces import rough_contact
 
     case, tell = case_of(case), progress or (lambda text: None)
     surface = rough_contact(case)

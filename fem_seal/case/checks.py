@@ -164,6 +164,8 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
         return
     if heat.contact_conductance is not None and not heat.faces:
         yield problem("contact_conductance")
+    if heat.of_rough_faces and case.roughness is None:
+        yield problem("conductance_without_roughness")
     has_fixed_wall = case.lower.wall == "fixed"
     for name in ("housing", "housing_expansion"):
         if getattr(heat, name) is not None and not has_fixed_wall:

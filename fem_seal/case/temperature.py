@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
 from fem_seal.case.fields import Quantity, Table
 from fem_seal.errors import QuantityError
@@ -12,7 +13,34 @@ from fem_seal.units import parse_quantity
 
 Kelvin = Annotated[float, Quantity("temperature", "50 K", "1500 K")]
 HeatTransfer = Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")]
-Conductance = Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")]
+
+
+@dataclass(frozen=True)
+class ConductanceEntry(Quantity):
+    """A conductance, or "theory"."""
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f'"theory", or {super().range}'
+
+    def read(self, text: object) -> float | Literal["theory"]:  # type: ignore[override]
+        """Conductance in SI, or the word; ValueError if it is neither."""
+        if text == "theory":
+            return "theory"
+        try:
+            return super().read(text)
+        except ValueError as error:
+            raise ValueError(f'{error}; or write "theory"') from None
+
+    @property
+    def _schema(self) -> dict[str, Any]:
+        return {"type": "string", "examples": ["theory", "10 kW/(m^2 K)"]}
+
+
+Conductance = Annotated[
+    float | Literal["theory"], ConductanceEntry("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")
+]
 
 
 class Face(Table):
@@ -45,6 +73,11 @@ class Temperature(Table):
     bottom: Face | None = None
     wall: Face | None = None
     contact_conductance: Conductance | None = None
+
+    @property
+    def of_rough_faces(self) -> bool:
+        """Whether the contact conducts as the theory of its rough faces says."""
+        return self.contact_conductance == "theory"
 
     @property
     def faces(self) -> dict[str, Face]:

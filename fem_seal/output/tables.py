@@ -145,8 +145,8 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
     ----------
     result : SealSolution
     """
-    blocks = []
-    for load in result.loads:
+    blocks, conductances = [], _conductances(result)
+    for load, conductance in zip(result.loads, conductances, strict=True):
         along = np.concatenate(
             [
                 np.stack([profile.x, profile.radius, profile.pressure, profile.gap], 1)
@@ -157,8 +157,25 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
         pressure = np.full(len(along), load.fluid_pressure)
         # the direction of the force is that of bodies
         force = np.full(len(along), math.nan) if load.of_profile else load.contact.force_per_length
-        blocks.append(np.column_stack([pressure, along, fluid, force, _strain_of(load)]))
+        blocks.append(np.column_stack([pressure, along, fluid, force, _strain_of(load), conductance]))
     return np.concatenate(blocks)
+
+
+def _conductances(result: SealSolution) -> list[NDArray[np.float64]]:
+    """Thermal conductance along the profile of each load [W/(m^2 K)]; at once, because all share the surface."""
+    joint, sizes = result.problem.joint, [len(load.whole_profile.x) for load in result.loads]
+    if joint is None:
+        return [np.full(size, math.nan) for size in sizes]
+    rows = []
+    for load, size in zip(result.loads, sizes, strict=True):
+        profile = load.whole_profile.at_rest(joint.surface)
+        fluid = np.full(size, math.nan) if load.gap_pressure is None else load.gap_pressure
+        # where it is not known, that between both sides
+        fluid = np.where(np.isfinite(fluid), fluid, 0.5 * load.fluid_pressure)
+        rows.append(
+            [profile.pressure, fluid, profile.pressure if profile.largest is None else profile.largest]
+        )
+    return np.split(joint.conductance(*np.concatenate(rows, axis=1)), np.cumsum(sizes)[:-1])
 
 
 def _strain_of(load: CaseLoad) -> NDArray[np.float64]:

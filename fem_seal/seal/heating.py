@@ -141,11 +141,23 @@ def heating_of(case: CaseTables) -> Heating:
 
     faces = {name: Face(face.temperature, face.heat_transfer) for name, face in heat.faces.items()}
     return Heating(
-        Surroundings(faces, heat.contact_conductance, _contact_reach(case)),
+        Surroundings(faces, _conductance(case), _contact_reach(case)),
         heat.reference,
         heat.housing,
         heat.housing_expansion,
     )
+
+
+def _conductance(case: CaseTables) -> float | None:
+    """Of the contact [W/(m^2 K)]: as given, or of the rough faces at the largest load; None where it is perfect."""
+    heat = case.temperature
+    assert heat is not None  # with faces
+    if not isinstance(heat.contact_conductance, str):
+        return heat.contact_conductance
+    from fem_seal.seal.rough_faces import mean_conductance
+
+    low, high = _contact_reach(case)
+    return mean_conductance(case, max(_line_loads(case)), high - low)
 
 
 def _line_loads(case: CaseTables) -> list[float]:
@@ -186,8 +198,9 @@ def with_contact_temperatures(case: AnyCase) -> AnyCase:
     modulus = effective_modulus(materials["closure"], materials["seat"])
     sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus)
     try:
+        heating = heating_of(case)
         with _at_temperature():
-            faces = heating_of(case).field(_mesh(case.contact, sizing), materials).faces
+            faces = heating.field(_mesh(case.contact, sizing), materials).faces
         return case.with_temperatures(faces["closure"], faces["seat"])
     except InputError as error:
         raise error.in_file(case.file) from None

@@ -35,6 +35,7 @@ from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, join_lands
 from fem_seal.seal.heating import Heating, heating_of, with_contact_temperatures
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
+from fem_seal.seal.rough_faces import Joint, rough_contact
 from fem_seal.wording import Quantity
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
@@ -501,6 +502,16 @@ class SealProblem:
         return 1 if self.gasket is None else 2
 
     @property
+    def joint(self) -> Joint | None:
+        """How heat crosses its faces; None where that is not known."""
+        flow = self.flow
+        if flow is None:
+            return Joint.of(self.surface, self.materials, None, None)
+        return Joint.of(
+            self.surface, self.materials, flow.fluid, self.at_rest.fluid_temperature, flow.outlet_pressure
+        )
+
+    @property
     def labelled_materials(self) -> dict[str, Material]:
         """The materials by what their bodies are called."""
         return {self.contact.label_of(name): material for name, material in self.materials.items()}
@@ -598,37 +609,6 @@ def under_loads(problems: Iterable[SealProblem], loads: Loads) -> tuple[SealProb
     loads : Loads
     """
     return tuple(replace(problem, loads=loads) for problem in problems)
-
-
-def rough_contact(case: CaseTables) -> FaceContact | None:
-    """The case's faces, with the hardness if their asperities yield; None without roughness.
-
-    Parameters
-    ----------
-    case : CaseTables
-    """
-    from leak import RoughContact, TurnedContact
-
-    if case.roughness is None:
-        return None
-    joined = case.roughness.combine()
-    hardness = case.hardness if case.leak.plasticity else None
-    if joined.crests:
-        return TurnedContact(
-            **joined.of_crests,
-            fine=joined.spectrum,
-            effective_modulus=case.effective_modulus,
-            hardness=hardness,
-            thread_radius=case.initial_contact_radius if case.roughness.has_thread else math.inf,
-        )
-    return RoughContact(
-        joined.spectrum,
-        effective_modulus=case.effective_modulus,
-        hardness=hardness,
-        theory=case.leak.theory,
-        percolation_threshold=case.leak.percolation_threshold,
-        peklenik=joined.peklenik,
-    )
 
 
 def flow_of(case: CaseTables) -> FlowModel | None:
