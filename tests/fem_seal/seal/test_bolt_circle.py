@@ -16,8 +16,10 @@ from scipy.optimize import root
 from fem_seal import Case, InputError, load_case
 from fem_seal.bolts import BoltCircle
 from fem_seal.cli.app import main
+from fem_seal.output.answers.form import _around
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
+from fem_seal.units import Display
 
 STIFF = {"youngs_modulus": "1000 GPa", "poissons_ratio": 0.3}
 # 800 N in all of four
@@ -171,6 +173,19 @@ def test_moments_of_load_and_bolts_are_carried_together() -> None:
     assert found.form.bolts.force != pytest.approx(7.2e3, rel=1e-4)  # the fluid has changed it
     np.testing.assert_allclose(moments(found), [3.0, 0.035 * share * found.form.bolts.force], atol=1e-4)
     np.testing.assert_allclose(moments(found.before), [0.0, 0.035 * share * 7.2e3], atol=1e-4)
+
+
+def test_the_report_names_the_loosest_bolts() -> None:
+    result = run_loads(case_of({"tightness": [1, 0.5, 0.5, 1]}))
+    moment, line_load, bolts, *_ = _around(result, Display())
+    # 200 N at 0 and 270 degrees, 100 N opposite to each
+    assert moment.startswith(f"The bolts' moment of {0.035 * math.hypot(100, 100):.3g} N m, ")
+    assert "at 135°" in line_load
+    assert bolts.startswith(
+        "The loosest bolts, number 2 at 90° and number 3 at 180°, have 50 % of the preload"
+    )
+    even = _around(run_loads(case_of({})), Display())
+    assert not any("moment" in sentence or "loosest" in sentence for sentence in even)
 
 
 @pytest.mark.slow
