@@ -191,6 +191,33 @@ def test_yovanovich(share):
     assert float(FACE.mean_separation(share * hardness)) == pytest.approx(separation, rel=0.18)
 
 
+@pytest.mark.parametrize("gas", ["helium", "argon", "nitrogen"])
+@pytest.mark.parametrize(("height", "hurst", "cutoff"), [(2e-6, 0.6, 100.0), (1e-5, 0.9, 4.0)])
+def test_the_gap_of_measured_metal(gas, height, hurst, cutoff):
+    """Yovanovich's statistical gap conductance at Y, which measured joints of 304 and nickel follow; theory/heat.
+
+    Surfaces and loads are the extreme ones of those in the manual, whose ratios go from 0.90 to 1.11.
+    """
+    shape = leak.PowerSpectrum.self_affine(
+        rms_height=height, hurst=hurst, q_low=0.25, q_rolloff=1.0, q_high=cutoff
+    )
+    q, hardness, share = 0.1 * math.sqrt(math.pi) / shape.rms_slope, 3.5e9, np.array([1e-4, 1e-2])
+    spectrum = leak.PowerSpectrum(q * shape.wavenumber, shape.density / q**2)
+    face = leak.RoughContact(spectrum, effective_modulus=110e9, hardness=hardness, theory="corrected")
+    assert spectrum.rms_height == pytest.approx(height)
+    fluid, Y = leak.GapFluid.of(gas, 293.15), math.sqrt(2.0) * height * erfcinv(2 * share)
+    M = float(fluid.jump_length(101325.0))
+    spots, joint = (
+        leak.joint_conductance(face, share * hardness, 16.2, filling, fluid_pressure=101325.0)
+        for filling in (None, fluid)
+    )
+    measured = [
+        quad(lambda t, y=y: math.exp(-0.5 * t**2) / (y - height * t + M), -8, y / height)[0] for y in Y
+    ] / np.sqrt(2 * np.pi)
+    assert joint - spots == pytest.approx(fluid.conductivity * measured, rel=0.12)
+    assert np.asarray(face.mean_separation(share * hardness)) == pytest.approx(Y, rel=0.18)
+
+
 def test_free_molecules():
     """For a = 1 and a gap narrow against M: p (kappa + 1)/(kappa - 1) sqrt(R_s/(8 pi T)) (Knudsen)."""
     T, p = 300.0, 50.0
