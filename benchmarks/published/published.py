@@ -108,6 +108,18 @@ def knudsen() -> Numbers:
     }
 
 
+def wedge() -> Numbers:
+    def hardness(angle: int) -> float:
+        case = fem_seal.load_case(HERE / f"wedge_{angle}.toml")
+        contact = fem_seal.run(case).loads[0].contact
+        line, touches = contact.model.line, contact.pressure > 0.0
+        area = 2.0 * np.pi * case.contact.initial_contact_radius * line.arc_weight[touches].sum()
+        return contact.contact_force / area / 200e6
+
+    steep, blunt = hardness(80), hardness(85)
+    return {"80 deg": steep, "85 deg": blunt, "flat": 2.0 * blunt - steep}
+
+
 def sphere() -> Numbers:
     n, radius, yield_stress, widest = 64, 4.0, 5e-5, 0.14
     x = np.arange(n) / n - 0.5
@@ -147,6 +159,7 @@ def challenge() -> Numbers:
 MEASURES: dict[str, Callable[[], Numbers]] = {
     "nafems_1": nafems_1,
     "nafems_2": nafems_2,
+    "wedge": wedge,
     "knudsen": knudsen,
     "sphere": sphere,
     "challenge": challenge,

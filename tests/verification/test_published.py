@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import published
 import punch_elements
 import pytest
+from scipy.optimize import brentq
 
-SLOW = {"sphere"}
+import fem_seal
+
+SLOW = {"sphere", "wedge"}
 
 
 @pytest.mark.parametrize(
@@ -36,3 +41,34 @@ def test_a_punch_by_elements_of_its_own_settles_as_the_page_says() -> None:
     assert (fine, middle) == pytest.approx((-0.13394, 88.27), rel=2e-4)
     # and is the same where the edge is resolved half as well
     assert punch_elements.settlement(5.0, at_edge=0.2)[0] == pytest.approx(fine, rel=1e-3)
+
+
+def test_slip_lines_of_a_crushed_wedge() -> None:
+    """Numbers of the page by the formula beside them."""
+    for angle, published_pressure in (
+        (15, 1.264),
+        (30, 1.504),
+        (45, 1.818),
+        (60, 2.179),
+        (80, 2.7004),
+        (85, 2.8342),
+    ):
+        alpha = math.radians(angle)
+        psi = brentq(
+            lambda psi, a=alpha: psi + math.acos(math.tan(math.pi / 4 - psi / 2)) - 2 * a, 1e-9, math.pi / 2
+        )
+        assert 2 / math.sqrt(3) * (1 + psi) == pytest.approx(published_pressure, abs=5e-4)
+
+
+def test_a_wedge_of_60_deg_is_beyond_small_strains() -> None:
+    case = fem_seal.load_case(published.HERE / "wedge_80.toml")
+    slope, radius = 1.0 / math.tan(math.radians(60.0)), 0.2e-3
+    side = radius * math.cos(math.radians(60.0))
+    top = 0.03 + (0.02 - side) * slope
+    edge = [
+        {"to": (4.0 + side, top)},
+        {"to": (4.0 - side, top), "centre": (4.0, top - radius * math.sin(math.radians(60.0)))},
+    ]
+    pieces = [{"to": piece.to} for piece in case.gasket.outline]
+    with pytest.raises(fem_seal.InputError, match="beyond small strains: not calculated"):
+        fem_seal.run(case.replace({"gasket.outline": [*pieces[:3], *edge, *pieces[5:]]}))
