@@ -465,6 +465,10 @@ def test_metal_that_flows_to_the_bottom_is_an_error():
         press_elastoplastic(
             PeriodicHalfSpace(32, 1.0, 1.0), sphere(32, 1.0), [0.02, 0.04], yield_stress=0.02, layers=12
         )
+    # a third of the shorter side: more layers than cells have room there
+    ridge = -np.abs(np.arange(64) / 64 - 0.5)[:, None] * np.ones(2)
+    with pytest.raises(leak.DirectError, match="smaller pressure"):
+        press_elastoplastic(PeriodicHalfSpace((64, 2), 1.0, 1.0), ridge, [0.002], yield_stress=0.01)
 
 
 def test_a_state_of_another_body_is_refused():
