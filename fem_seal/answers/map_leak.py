@@ -80,9 +80,16 @@ def with_lay(face: MapFace, surface: FaceContact | None, case: Case) -> MapFace:
     face : MapFace
     surface : RoughContact or TurnedContact or None
     case : Case
+
+    Raises
+    ------
+    InputError
+        If the case gives the direction of a lay that its roughness has not.
     """
     given, loop = None if case.map is None else case.map.lay, face.surface.points[face.surface.loops[0]]
     if given is not None:
+        if surface is not None and surface.other_way is surface:
+            raise InputError(problem_of("map_without_lay"), file=case.file)
         lay = np.broadcast_to(np.array(given), face.surface.normals.shape)
         # where the number of the roughness is that of flow along its lay, it conducts otherwise across it
         is_along = isinstance(surface, RoughContact) and surface.peklenik > 1.0

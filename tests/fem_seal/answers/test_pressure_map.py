@@ -272,6 +272,7 @@ BAD: dict[str, dict[str, Any]] = {
     "box": {"map": {"high": {"box": ["0 mm"]}}},
     'is "local"': {"leak": {"fluid_in_gap": "local"}, "fluid": {"name": "water"}, "map": ENDS},
     "have no shape": {"form": {"seat": {"tolerance": "1 um"}}},
+    "the roughness has none": {"map": ENDS | {"lay": [1, 0, 0]}},
     "roughness: is missing": {"roughness": None, "map": ENDS},
     "flows past": {"map": {"high": {"field": "side", "value": 1}}},
 }
