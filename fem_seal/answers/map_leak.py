@@ -152,8 +152,7 @@ def leak_of_map(
         try:
             # on the given triangles and as of a liquid, for the places that let most through
             liquids = [flow.permeant(table.liquid, pressures[number][0]) for table, _ in ways]
-            flux = bare.flow(*liquids, tolerance=1e9).flux
-            profile = SurfaceProfile.of(face, field, opening, flux)
+            profile = SurfaceProfile.of(face, field, opening, bare.flux(*liquids))
             leaks = [rough.leak(profile, pressure) for pressure in pressures[number]]
         except LeakError as error:
             remarks.append(problem_of("map_step", step=step, why=str(error)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -178,12 +178,12 @@ class SurfaceProfile(PressureProfile):
         ----------
         face, field, opening
             See the class.
-        flux : ndarray, shape (t, 3), optional
-            What flows in each triangle; unless given, and where nothing does, each place counts by its area, and no
-            more pressure than any way across must pass.
+        flux : ndarray, shape (t,), optional
+            What flows in each triangle for each other one; unless given, and where nothing does, each place counts by
+            its area, and no more pressure than any way across must pass.
         """
         areas, sealed = face.surface.areas, flux is None or not flux.any()
-        flow = np.ones(len(areas)) if flux is None or sealed else np.linalg.norm(flux, axis=1)
+        flow = np.ones(len(areas)) if flux is None or sealed else flux
         weights = face.at_points(areas * (flow / np.average(flow, weights=areas) + _LEAST_FLOW))
         pressure = face.mean_across(field, weights)
         if sealed:
@@ -201,23 +201,22 @@ class SurfaceProfile(PressureProfile):
         """The same where the profile stands for the surface, with the share of what leaks over it."""
         return replace(self, share=share)
 
-    def flow(
-        self, permeant: Permeant, along: Permeant | None = None, *, tolerance: float = 0.02
-    ) -> SurfaceFlow:
-        """Flow over the surface.
+    def _flowing(self, permeant: Permeant, along: Permeant | None) -> tuple[Any, ...]:
+        """What a flow over the surface is made of."""
+        face, lay = self.face, None if along is None else self.face.lay
+        return face.surface, self.field, permeant, (face.high, face.low), self.opening, along, lay
+
+    def flux(self, permeant: Permeant, along: Permeant | None = None) -> FloatArray:
+        """About what flows in each triangle for each other one, shape (t,).
 
         Parameters
         ----------
         permeant, along : LiquidPermeant or GasPermeant
             In the direction of the flow that the roughness is given for and, of one with a lay, in the other one.
-        tolerance : float
-            To which triangles are refined.
         """
-        from leak.flow.surface_flow import flow_over
+        from leak.flow.surface_flow import flux_about
 
-        face, lay = self.face, None if along is None else self.face.lay
-        sides = face.high, face.low
-        return flow_over(face.surface, self.field, permeant, sides, self.opening, along, lay, tolerance)
+        return flux_about(*self._flowing(permeant, along))
 
     def leak(self, permeant: Permeant, along: Permeant | None = None) -> SurfaceLeak:
         """What leaks over the surface.
@@ -225,9 +224,11 @@ class SurfaceProfile(PressureProfile):
         Parameters
         ----------
         permeant, along : LiquidPermeant or GasPermeant
-            See `flow`.
+            See `flux`.
         """
-        found = self.flow(permeant, along)
+        from leak.flow.surface_flow import flow_over
+
+        found = flow_over(*self._flowing(permeant, along))
         result = found.result.above_outlet
         values = {one.name: getattr(result, one.name) for one in fields(LeakResult)}
         at_points = result.fluid_pressure

@@ -254,11 +254,9 @@ def flow_over(
         See `ContactSurface.sides`.
     """
     positive(ProfileError, "tolerance", tolerance, "-")
-    ps = _checked_field(surface, "pressure", pressure, "Pa")
-    gaps = None if gap is None else _checked_field(surface, "gap", gap, "m", ps == 0.0)
-    contact = _Contact(surface, ps, gaps, permeant, along, _checked_lay(surface, lay, along))
     n, t = len(surface.points), len(surface.triangles)
-    mesh = _Mesh(contact, surface, *sides, np.arange(t), np.broadcast_to(np.eye(3), (t, 3, 3)))
+    mesh = _Mesh.of(surface, pressure, permeant, sides, gap, along, lay)
+    contact, ps = mesh.contact, mesh.contact.pressure
     while solved := mesh.solve(tolerance):
         size = len(mesh.surface.points)
         if solved.error <= tolerance or size > max(_MOST_GROWTH * n, _FEW_POINTS):
@@ -285,6 +283,34 @@ def flow_over(
     error = (1.0 + solved.error) / (1.0 - lost) - 1.0
     flux = drive * np.transpose(moved / surface.areas)
     return SurfaceFlow(result, error, flux, solved.worst_tenth_share, size)
+
+
+def flux_about(
+    surface: ContactSurface,
+    pressure: ArrayLike,
+    permeant: Permeant,
+    sides: tuple[BoolArray, BoolArray],
+    gap: ArrayLike | None = None,
+    along: Permeant | None = None,
+    lay: ArrayLike | None = None,
+) -> FloatArray:
+    """About what flows in each triangle for each other one, by the potential on the given triangles alone, shape (t,).
+
+    Parameters
+    ----------
+    surface, pressure, permeant, sides, gap, along, lay
+        See `flow_over`.
+
+    Returns
+    -------
+    ndarray, shape (t,)
+        Per width; zero where the contact is sealed all around.
+    """
+    mesh = _Mesh.of(surface, pressure, permeant, sides, gap, along, lay)
+    if (scale := mesh.tightest()) == -math.inf:
+        return np.zeros(len(surface.triangles))
+    share, triangles, _ = mesh.potential(scale)
+    return triangles.flow_about(share)
 
 
 def _checked_field(
@@ -420,6 +446,22 @@ class _Mesh:
     weights: FloatArray
     """Of the parent's corners, at the corners of each triangle, shape (t, 3, 3)."""
 
+    @classmethod
+    def of(
+        cls,
+        surface: ContactSurface,
+        pressure: ArrayLike,
+        permeant: Permeant,
+        sides: tuple[BoolArray, BoolArray],
+        gap: ArrayLike | None,
+        along: Permeant | None,
+        lay: ArrayLike | None,
+    ) -> _Mesh:
+        ps, t = _checked_field(surface, "pressure", pressure, "Pa"), len(surface.triangles)
+        gaps = None if gap is None else _checked_field(surface, "gap", gap, "m", ps == 0.0)
+        contact = _Contact(surface, ps, gaps, permeant, along, _checked_lay(surface, lay, along))
+        return cls(contact, surface, *sides, np.arange(t), np.broadcast_to(np.eye(3), (t, 3, 3)))
+
     def refined(self, excess: FloatArray) -> _Mesh:
         """With the worst triangles cut."""
         order = np.argsort(-excess)
@@ -459,7 +501,7 @@ class _Mesh:
         from_high, from_low = self._reached(-np.inf)
         return np.where(from_high, np.where(from_low, 0.5, 1.0), np.where(from_low, 0.0, np.nan))
 
-    def _tightest(self) -> float:
+    def tightest(self) -> float:
         """ln sigma at the tightest place of the easiest way, to one half; -infinite where none leads across."""
 
         def leads(least: float) -> bool:
@@ -478,10 +520,10 @@ class _Mesh:
 
     def solve(self, tolerance: float) -> _Solution | None:
         """The flow; None where the contact is sealed."""
-        scale = self._tightest()
+        scale = self.tightest()
         if scale == -math.inf:
             return None
-        share, triangles, permeant = self._potential(scale)
+        share, triangles, permeant = self.potential(scale)
         steps = self._stream_steps(triangles.links(True))
         drops = self._psi.steps(share)
         squares = [float(triangles.links(way) @ values**2) for way, values in ((False, drops), (True, steps))]
@@ -529,7 +571,7 @@ class _Mesh:
             room = [middles.min(axis=1) - corners.min(axis=1), corners.max(axis=1) - middles.max(axis=1)]
         return np.clip(np.nan_to_num(room), 0.0, _RANGE) + _ROOM
 
-    def _potential(self, scale: float) -> tuple[FloatArray, _Triangles, Permeant]:
+    def potential(self, scale: float) -> tuple[FloatArray, _Triangles, Permeant]:
         """psi, sigma over its scale with the gains of a rarefied gas at its pressures, permeant with its potential."""
         log_sigma, permeant = np.clip(self._log_sigma - scale, -_RANGE, _RANGE), self.contact.permeant
         triangles = self._triangles(log_sigma)
@@ -685,6 +727,11 @@ class _Triangles:
     def slopes(self, values: FloatArray) -> FloatArray:
         """Gradients of values at the corners of the triangles."""
         return np.asarray(np.einsum("tcx,tc->tx", self.surface.slopes, values))
+
+    def flow_about(self, share: FloatArray) -> FloatArray:
+        """Size of the flow down a potential, sigma in series."""
+        drops = self.slopes(share[self.surface.triangles])
+        return np.asarray(np.linalg.norm(drops, axis=1) / self._means[1])
 
     def flow(self, steps: FloatArray) -> FloatArray:
         """Of a stream function with such steps along the edges, in each triangle, of either sign."""
