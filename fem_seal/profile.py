@@ -50,9 +50,9 @@ class PressureProfile:
         Largest pressure before that the gap at each place remembers, see `after` [Pa]; None on first loading.
     parts : tuple of PressureProfile, optional
         Lands that lie in series, from the axis outwards; empty where there is but one.
-    strain : ndarray, shape (m, 2), optional
-        Of the metal under the faces, along them and around the axis, see `ContactSolution.strain`; None where nothing
-        is known of it [-].
+    strain : ndarray, shape (m, 3), optional
+        Of the metal under the faces, along them and around the axis, and the sum of both elastic ones, see
+        `ContactSolution.strain`; None where nothing is known of it [-].
 
     Examples
     --------
@@ -186,12 +186,12 @@ class PressureProfile:
         return replace(self, pressure=rest(self.pressure), largest=largest, parts=parts, strain=None)
 
     @property
-    def peak_strain(self) -> tuple[float, float]:
-        """Strain along the faces and around the axis at the peak [-]; zero where nothing is known of it."""
+    def peak_strain(self) -> tuple[float, float, float]:
+        """`strain` at the peak; zero where nothing is known of it."""
         if self.strain is None:
-            return 0.0, 0.0
-        along, hoop = (float(np.interp(self.peak[0], self.x, part)) for part in self.strain.T)
-        return along, hoop
+            return 0.0, 0.0, 0.0
+        along, hoop, elastic = (float(np.interp(self.peak[0], self.x, part)) for part in self.strain.T)
+        return along, hoop, elastic
 
     @property
     def without_strain(self) -> PressureProfile:
@@ -207,7 +207,8 @@ class PressureProfile:
         """
         if self.strain is None or surface.hardness is None or not surface.knows_deviation:
             return surface
-        return surface.strained(*self.peak_strain)
+        along, hoop, elastic = self.peak_strain
+        return surface.strained(along, hoop, elastic=elastic)
 
     def equivalent(self, table: RemembersLoad, surface: FaceContact) -> PressureProfile:
         """Profile of new faces over metal that is not strained which lets as much through at every point.

@@ -34,6 +34,7 @@ _ROLES = {
     "fluid_pressure": r"fluid_pressure",
     "bulk_strain_meridional": r"bulk_strain_meridional",
     "bulk_strain_hoop": r"bulk_strain_hoop",
+    "elastic_area_strain": r"elastic_area_strain",
     "gap": r"gap|copen|cshear|largest|.*(separation|stress|strain|force)",
     "pressure": r"(contact_?)?pressure(\b|_)|cpress|cont_?pres|lags_c|pres(\b|_)|p(?![a-z:.])",
     "angle": r"(theta|phi|angle|azimuth)(\b|_|$)",
@@ -46,8 +47,9 @@ _ROLES = {
 }
 _LENGTHS = ("arc", "radius", "x", "y", "z")
 _STRAINS = ("bulk_strain_meridional", "bulk_strain_hoop")
+_ELASTIC = "elastic_area_strain"
 # Of which each load step may have its own.
-_OF_STEPS = ("pressure", "step", *_STRAINS)
+_OF_STEPS = ("pressure", "step", *_STRAINS, _ELASTIC)
 # Programs that know no units call the contact pressure so; a peak above this is one in Pa, not in MPa.
 _WITHOUT_UNITS, _IN_PASCAL = re.compile(r"cpress|cont_?pres|pres(\b|_)"), 1e5
 _POINTS = re.compile(r"points?[:_]0")
@@ -75,7 +77,7 @@ class ImportedProfile:
         Fluid pressure that belongs to the profile [Pa]; None if the file does not say.
     remark : str, optional
         What the columns were taken for, a sentence.
-    strain : ndarray, shape (n, 2), or None, optional
+    strain : ndarray, shape (n, 3), or None, optional
         Of the metal under the faces, along them and around the axis [-]; None if the file has no such columns.
     """
 
@@ -180,7 +182,7 @@ def check_rows(table: TextTable, roles: dict[str, list[int]]) -> None:
         raise TextTableError(problem("profile_row", number=number, line=line[:40], first=table.lines[0]))
     numbers = [
         place
-        for role in (*_LENGTHS, "pressure", "fluid_pressure", *_STRAINS)
+        for role in (*_LENGTHS, "pressure", "fluid_pressure", *_STRAINS, _ELASTIC)
         for place in roles.get(role, ())
     ]
     bad_rows = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
@@ -202,20 +204,22 @@ def fluid_pressures(table: TextTable, roles: dict[str, list[int]]) -> FloatArray
 
 def _strains(table: TextTable, roles: dict[str, list[int]]) -> Sequence[FloatArray | None]:
     """Strains that belong to each column of contact pressures."""
-    steps, counts = len(roles["pressure"]), [len(roles.get(name, ())) for name in _STRAINS]
+    names = (*_STRAINS, _ELASTIC) if _ELASTIC in roles else _STRAINS
+    steps, counts = len(roles["pressure"]), [len(roles.get(name, ())) for name in names]
     if not any(counts):
         return [None] * steps
-    if counts != [steps] * 2:
-        fewer = _STRAINS[int(np.argmin(counts))]
+    if counts != [steps] * len(names):
+        fewer = names[int(np.argmin(counts))]
         raise TextTableError(problem("profile_strains", column=fewer, count=min(counts), steps=steps))
-    along, hoop = ([column(table, place, "strain") for place in roles[name]] for name in _STRAINS)
-    strains = [np.stack(pair, axis=1) for pair in zip(along, hoop, strict=True)]
+    columns = ([column(table, place, "strain") for place in roles[name]] for name in names)
+    strains = [np.stack(parts, axis=1) for parts in zip(*columns, strict=True)]
     for number, strain in enumerate(strains):
         if not (is_inside := np.abs(strain) < 1.0).all():
             row, part = np.argwhere(~is_inside)[0].tolist()
-            words = {"line": table.lines[row], "column": table.header[roles[_STRAINS[part]][number]]}
+            words = {"line": table.lines[row], "column": table.header[roles[names[part]][number]]}
             raise TextTableError(problem("profile_strain", strain=float(strain[row, part]), **words))
-    return strains
+    # nothing is known of the elastic part, whose sign makes asperities softer or harder
+    return [np.pad(strain, ((0, 0), (0, 3 - len(names)))) for strain in strains]
 
 
 def column_roles(table: TextTable) -> dict[str, list[int]]:
@@ -349,7 +353,7 @@ def _place(step: _Step, contact: ContactGeometry | None, axis: str | None) -> Im
     x, values = _merge_places(x[finite], np.column_stack(columns)[finite])
     pressure = values[:, 0]
     radius = None if radius is None else values[:, 1]
-    strain = None if step.strain is None else values[:, -2:]
+    strain = None if step.strain is None else values[:, -3:]
     if len(x) < _FEWEST_ROWS:
         raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
     pressed_x = x[pressure > _PRESSED_SHARE * pressure.max()]

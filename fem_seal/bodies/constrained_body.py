@@ -11,13 +11,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, diags_array, hstack, vstack
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.bodies.elasticity import (
     StressRecovery,
     boundary_dofs,
     edge_shapes,
+    edge_slopes,
     node_dofs,
     pressure_load,
     quadratic_nodes,
@@ -67,8 +68,8 @@ class ConstrainedBody:
         Their arc length from first touch [m].
     normal : ndarray, shape (2, n)
         Unit normal (r, z) at these nodes, into the body; along it a contact pressure acts.
-    trace : csr_matrix, shape (m, n)
-        From these nodes to the m points of the contact line.
+    trace, slope : csr_matrix, shape (m, n)
+        From these nodes to the m points of the contact line, and to the derivatives there along the element.
     free : ndarray of int
         Dofs that are not held.
     balance : ndarray, shape (dofs,)
@@ -94,6 +95,7 @@ class ConstrainedBody:
     contact_x: FloatArray
     normal: FloatArray
     trace: csr_matrix
+    slope: csr_matrix
     free: IntArray
     balance: FloatArray
     further: Mapping[LoadName, FloatArray]
@@ -121,6 +123,29 @@ class ConstrainedBody:
     def wall_nodes(self) -> IntArray:
         """Nodes of a held wall among the quadratic ones."""
         return np.flatnonzero(np.isin(node_dofs(self.mesh)[0], self.wall))
+
+    @cached_property
+    def to_face_strain(self) -> csr_matrix:
+        """From the radial motion [m] of the contact nodes, and then their axial one, to the strain of the face.
+
+        Shape (2 m, 2 n): along the face at all points of the contact line, then around the axis.
+        """
+        places = self.nodes[0][self.contact_nodes]
+        way = self.slope @ places
+        along = [diags_array(part / (way**2).sum(axis=1)) @ self.slope for part in way.T]
+        hoop = diags_array(1.0 / (self.trace @ places[:, 0])) @ self.trace
+        return csr_matrix(vstack([hstack(along), hstack([hoop, 0.0 * hoop])]))
+
+    def face_strain(self, displacement: FloatArray) -> FloatArray:
+        """Strain in the plane of the face, along it and around the axis [-], shape (2, m) or (2, m, k).
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (dofs,) or (dofs, k)
+            [m]
+        """
+        strain = self.to_face_strain @ displacement[self.contact_dofs.ravel()]
+        return np.asarray(strain.reshape(2, -1, *displacement.shape[1:]))
 
     def nodal_forces(self, point_forces: FloatArray) -> FloatArray:
         """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced; or (dofs, k)."""
@@ -193,7 +218,7 @@ def constrained_body(
     """
     contact = seal_mesh.contact
     mesh: MeshTri = getattr(seal_mesh, name)
-    nodes, trace = trace_matrix(mesh, f"{name}_contact", contact.coordinate, x)
+    nodes, trace, slope = trace_matrix(mesh, f"{name}_contact", contact.coordinate, x)
     contact_x = contact.coordinate(*quadratic_nodes(mesh)[0][nodes].T)
     # Towards the body's inside: up into the closure, down into the seat.
     normal = contact.normal(contact_x) * (1.0 if name == "closure" else -1.0)
@@ -241,6 +266,7 @@ def constrained_body(
         contact_x,
         normal,
         trace,
+        slope,
         free_dofs(mesh, name, supports),
         balance,
         further,
@@ -276,14 +302,15 @@ def free_dofs(mesh: MeshTri, name: str, supports: Supports | None) -> IntArray:
 
 def trace_matrix(
     mesh: MeshTri, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
-) -> tuple[IntArray, csr_matrix]:
+) -> tuple[IntArray, csr_matrix, csr_matrix]:
     """Quadratic trace on a contact line evaluated at the arc lengths `x`.
 
     Returns
     -------
     nodes : ndarray of int, shape (n,)
         The trace nodes among the body's quadratic nodes, along increasing x.
-    trace : csr_matrix, shape (len(x), n)
+    trace, slope : csr_matrix, shape (len(x), n)
+        To values, and to derivatives over the share of the way along the facet.
     """
     facets = np.asarray((mesh.boundaries or {})[boundary])
     ends = coordinate(*mesh.p[:, mesh.facets[:, facets].ravel()]).reshape(2, -1)
@@ -292,17 +319,15 @@ def trace_matrix(
     starts = ends.min(axis=0)
     facet = np.clip(np.searchsorted(starts, x, side="right") - 1, 0, len(facets) - 1)
     t = (x - ends[0, facet]) / (ends[1, facet] - ends[0, facet])
-    shape = edge_shapes(t)
     vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
     vertex_index = vertex_index.reshape(2, -1)
     columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
     nodes = np.concatenate([vertex, mesh.p.shape[1] + facets])
     node_order = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
     place = np.argsort(node_order)
-    rows = np.tile(np.arange(len(x)), 3)
-    return nodes[node_order], csr_matrix(
-        (shape.ravel(), (rows, place[columns].ravel())), shape=(len(x), len(nodes))
-    )
+    where, size = (np.tile(np.arange(len(x)), 3), place[columns].ravel()), (len(x), len(nodes))
+    trace, slope = (csr_matrix((part(t).ravel(), where), shape=size) for part in (edge_shapes, edge_slopes))
+    return nodes[node_order], trace, slope
 
 
 @dataclass(frozen=True)
@@ -326,6 +351,10 @@ class BoundaryLoad:
     response: FloatArray
     free_strain: FloatArray | float = 0.0
 
+    def divided(self, factor: float) -> BoundaryLoad:
+        """That of a body which is stiffer by a factor."""
+        return replace(self, opening=self.opening / factor, response=self.response / factor)
+
 
 # Loads of a body that prescribe how far it moves, whatever its stiffness.
 _IMPOSED_MOTIONS = ("wall", "expansion", "heat")
@@ -348,12 +377,16 @@ class CondensedBody:
         a strain of 1 beyond that of the seat. None of a body that was pickled, with which its loads went.
     solve : callable or None
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
+    face_strain : ndarray, shape (2, m, n), or None
+        Strain in the plane of the face under unit forces at the trace nodes along the normal, along the face and around
+        the axis [1/N]; None of a body that was linearised where it yields.
     """
 
     fem: ConstrainedBody
     compliance: FloatArray
     find_loads: Callable[[], Mapping[LoadName, BoundaryLoad]] | None
     solve: Callable[[FloatArray], FloatArray] | None
+    face_strain: FloatArray | None = None
 
     def __getstate__(self) -> dict[str, object]:
         """For pickle, which cannot store a factorisation: the loads are stored, the solver is not."""
@@ -374,10 +407,12 @@ class CondensedBody:
         material = replace(self.material, youngs_modulus=self.material.youngs_modulus * factor)
         # the wall of a pressed-in housing and heat move a body as far as before; pressures move a stiffer one less
         loads = {
-            name: load if name in _IMPOSED_MOTIONS else replace(load, opening=load.opening / factor)
+            name: load if name in _IMPOSED_MOTIONS else load.divided(factor)
             for name, load in self.loads.items()
         }
-        return replace(self.with_loads(loads), fem=replace(self.fem, material=material))
+        strain = None if self.face_strain is None else self.face_strain / factor
+        fem = replace(self.fem, material=material)
+        return replace(self.with_loads(loads), fem=fem, face_strain=strain)
 
     @property
     def line_alone(self) -> CondensedBody:
@@ -393,6 +428,27 @@ class CondensedBody:
     def recovery(self) -> StressRecovery:
         """From displacements to the stress at the nodes."""
         return StressRecovery(self.fem.mesh, self.material)
+
+    def elastic_strain(self, point_forces: FloatArray, loads: Mapping[LoadName, float]) -> FloatArray | None:
+        """Strain of the face that takes stress, along it and around the axis [-], shape (m, 2); None if not known.
+
+        Parameters
+        ----------
+        point_forces : ndarray, shape (m,)
+            Normal forces at the points of the contact line [N].
+        loads : mapping
+            Magnitude of each further load.
+        """
+        if self.face_strain is None:
+            return None
+        strain = self.face_strain @ (self.fem.trace.T @ point_forces)
+        for name, size in loads.items():
+            load, trace = self.loads[name], self.fem.trace
+            free = np.broadcast_to(load.free_strain, len(self.fem.nodes[0]))
+            strain = strain + size * (
+                self.fem.face_strain(load.response) - trace @ free[self.fem.contact_nodes]
+            )
+        return strain.T
 
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.

@@ -102,6 +102,11 @@ def edge_shapes(t: FloatArray) -> FloatArray:
     return np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
 
 
+def edge_slopes(t: FloatArray) -> FloatArray:
+    """Derivatives of `edge_shapes` over t, shape (3, n)."""
+    return np.stack([4 * t - 3, 4 * t - 1, 4 - 8 * t])
+
+
 def shape_gradients(mesh: MeshTri, points: FloatArray) -> FloatArray:
     """Gradients (d/dr, d/dz) of the quadratic shape functions [1/m]; shape (elements, points, 6, 2).
 
@@ -366,3 +371,20 @@ def _patches(mesh: MeshTri) -> tuple[IntArray, IntArray]:
     pairs = np.concatenate([vertex[~outer] * elements + triangle[~outer], np.unique(wider)])
     pairs.sort()
     return pairs // elements, pairs % elements
+
+
+def strain_size(strain: FloatArray) -> FloatArray:
+    """Size (m,) of strains (m, 2) in the plane of a face, that of metal that keeps its volume but for a factor."""
+    return np.sqrt((strain**2).sum(axis=1) + strain.prod(axis=1))
+
+
+def larger_strain(first: FloatArray, second: FloatArray) -> FloatArray:
+    """At each place the larger one of two strains (m, 2) in the plane of a face."""
+    return np.where((strain_size(second) > strain_size(first))[:, None], second, first)
+
+
+def over_pressure(strain: FloatArray, pressure: FloatArray) -> FloatArray:
+    """Strains times a pressure (m, 2) over a pressure (m,); zero where there is none."""
+    # one over less than this is no number
+    inverse = np.divide(1.0, pressure, out=np.zeros_like(pressure), where=pressure > 1e-100)
+    return strain * inverse[:, None]

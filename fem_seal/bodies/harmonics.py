@@ -203,7 +203,7 @@ class HarmonicBody:
     def _pushed(self, n: int, radius: float) -> FloatArray:
         """`push` at the contact nodes."""
         fem = self.fem
-        nodes, trace = trace_matrix(fem.mesh, "closure_top", lambda r, z: r, np.array([radius]))
+        nodes, trace, _ = trace_matrix(fem.mesh, "closure_top", lambda r, z: r, np.array([radius]))
         force = np.zeros(harmonic_dofs(fem.mesh).size)
         force[elasticity.node_dofs(fem.mesh)[1][nodes]] = -trace.toarray()[0]
         moved = self._other_supports.displacement(n, self, force)

@@ -116,7 +116,7 @@ class _Body:
     @classmethod
     def of(cls, name: str, seal_mesh: SealMesh, material: Material, x: FloatArray) -> _Body:
         mesh: MeshTri = getattr(seal_mesh, name)
-        nodes, trace = trace_matrix(mesh, f"{name}_contact", seal_mesh.contact.coordinate, x)
+        nodes, trace, _ = trace_matrix(mesh, f"{name}_contact", seal_mesh.contact.coordinate, x)
         size = mesh.nvertices + mesh.nfacets
         on_nodes = coo_matrix((np.ones(len(nodes)), (np.arange(len(nodes)), nodes)), shape=(len(nodes), size))
         return cls(name, mesh, material, (trace @ on_nodes).tocsr())

@@ -654,8 +654,14 @@ class ElastoplasticContact(ContactSolution):
     @property
     def strain(self) -> FloatArray | None:
         """See `ContactSolution.strain`; that of bodies that yield along the whole path."""
-        strains = [flattening.strain for flattening in self.flattening.values()]
-        return reduce(larger_strain, strains) if strains else None
+        known = self.flattening.values()
+        if not known:
+            return None
+        strain, elastic = (
+            reduce(larger_strain, strains)
+            for strains in ([each.strain for each in known], [each.elastic_strain for each in known])
+        )
+        return np.column_stack([strain, elastic.sum(axis=1)])
 
     @property
     def flowing_body(self) -> str:

@@ -385,7 +385,15 @@ def _condense_body(fem: ConstrainedBody) -> CondensedBody:
         outwards[fem.wall] = 1.0
         forces["wall"] = np.asarray(stiffness_matrix(fem.mesh, fem.material) @ outwards)
     body = condense_body(fem, DissectedBody(fem).elastic(), forces)
-    return replace(body, find_loads=lambda: {**body.loads, **dict(_heat_answers(body))})
+    assert body.solve is not None  # just condensed
+    unit_forces = np.zeros((fem.size, len(fem.contact_nodes)))
+    for dofs, normal in zip(fem.contact_dofs, fem.normal, strict=True):
+        unit_forces[dofs, np.arange(len(dofs))] = normal
+    return replace(
+        body,
+        find_loads=lambda: {**body.loads, **dict(_heat_answers(body))},
+        face_strain=fem.face_strain(body.solve(fem.balance_forces(unit_forces))),
+    )
 
 
 def _heat_answers(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:

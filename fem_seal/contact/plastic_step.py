@@ -26,7 +26,13 @@ from fem_seal.bodies.constrained_body import (
     condense_body,
 )
 from fem_seal.bodies.dissected_body import DissectedBody
-from fem_seal.bodies.elasticity import at_quadrature_points, elasticity_matrix
+from fem_seal.bodies.elasticity import (
+    at_quadrature_points,
+    elasticity_matrix,
+    larger_strain,
+    over_pressure,
+    strain_size,
+)
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, StressUpdate
 from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.laws import Law
@@ -268,20 +274,14 @@ class Flattening:
     def strain(self) -> FloatArray:
         """Strain that flattens as much at the highest pressure, shape (m, 2) [-]."""
         net = self.net + self.elastic
-        over = strain_size(net) * self.highest
         # whichever way the metal goes, all of its way counts
         size = np.maximum(strain_size(net) + self.length - strain_size(self.net), 0.0)
-        return net * np.divide(size, over, out=np.zeros_like(over), where=over > 0)[:, None]
+        return over_pressure(size[:, None] * net, strain_size(net) * self.highest)
 
-
-def strain_size(strain: FloatArray) -> FloatArray:
-    """Size (m,) of strains (m, 2) in the plane of a face, that of metal that keeps its volume but for a factor."""
-    return np.sqrt((strain**2).sum(axis=1) + strain.prod(axis=1))
-
-
-def larger_strain(first: FloatArray, second: FloatArray) -> FloatArray:
-    """At each place the larger one of two strains (m, 2) in the plane of a face."""
-    return np.where((strain_size(second) > strain_size(first))[:, None], second, first)
+    @property
+    def elastic_strain(self) -> FloatArray:
+        """Elastic strain where pressure times it was largest, over the highest pressure, shape (m, 2) [-]."""
+        return over_pressure(2.0 * self.elastic, self.highest)
 
 
 @dataclass(frozen=True)

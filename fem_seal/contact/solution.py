@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Self
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import without_free_strain
+from fem_seal.bodies.elasticity import larger_strain, over_pressure, without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
@@ -205,18 +205,37 @@ class ContactSolution:
 
     @property
     def strain(self) -> FloatArray | None:
-        """Strain of the metal under the faces that flattens asperities, along the faces and around the axis [-].
+        """Strain of the metal under the faces, which flattens asperities or holds them, in the plane of the faces [-].
 
-        That of the body that is strained more, each part of it counted with the pressure under which it came, over the
-        highest pressure that the place has carried: int p d(strain)/p_max. None for bodies that do not yield, whose
-        strain changes the flow by some per cent either way.
+        Along the faces and around the axis, each part of it counted with the pressure under which it came, over the
+        highest pressure that the place has carried: int p d(strain)/p_max. Then the sum of both elastic strains, in
+        full, where pressure times it was largest. Of the body that is strained more, where one yields of those that do.
 
         Returns
         -------
-        ndarray, shape (m, 2), or None
-            At the points of the contact line.
+        ndarray, shape (m, 3), or None
+            At the points of the contact line; None of bodies that were linearised where they yield.
         """
-        return None
+        elastic = self._elastic_strain
+        if elastic is None:
+            return None
+        if self.history:
+            contacts = [(contact.pressure, contact._elastic_strain) for contact in (self, *self.history)]
+            products = [pressure[:, None] * strain for pressure, strain in contacts if strain is not None]
+            highest = np.max([pressure for pressure, _ in contacts], axis=0)
+            elastic = over_pressure(reduce(larger_strain, products), highest)
+        # of what rises with the pressure half counts
+        return np.column_stack([0.5 * elastic, elastic.sum(axis=1)])
+
+    @property
+    def _elastic_strain(self) -> FloatArray | None:
+        """Elastic strain under the present load, along the face and around the axis (m, 2)."""
+        strains = [
+            body.elastic_strain(self.line_forces, self.loads.on_body(name))
+            for name, body in self.model.bodies.items()
+        ]
+        known = [strain for strain in strains if strain is not None]
+        return reduce(larger_strain, known) if known else None
 
     @cached_property
     def profiles(self) -> tuple[PressureProfile, ...]:

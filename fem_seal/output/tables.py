@@ -180,7 +180,7 @@ def _conductances(result: SealSolution) -> list[NDArray[np.float64]]:
 
 def _strain_of(load: CaseLoad) -> NDArray[np.float64]:
     strain = load.whole_profile.strain
-    return np.full((len(load.whole_profile.x), 2), math.nan) if strain is None else strain
+    return np.full((len(load.whole_profile.x), 3), math.nan) if strain is None else strain
 
 
 def write_leak_csv(result: SealSolution, path: Path, *, all_columns: bool = False) -> Path:

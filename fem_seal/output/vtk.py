@@ -63,7 +63,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile as a line.
 
     Point data: ``x_m``, arc length from first touch, ``contact_pressure_Pa``, ``gap_m``, where it is known
-    ``bulk_strain_meridional`` and ``bulk_strain_hoop`` and, where a leak rate was calculated,
+    ``bulk_strain_meridional``, ``bulk_strain_hoop`` and ``elastic_area_strain`` and, where a leak rate was calculated,
     ``fluid_pressure_in_gap_Pa``. Of a gasket the lower half of the points are the line on its lower face.
 
     Returns
@@ -83,7 +83,9 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
         data = {"x_m": x, "contact_pressure_Pa": pressure, "gap_m": gap}
         strain = load.whole_profile.strain
         if strain is not None:
-            data |= zip(("bulk_strain_meridional", "bulk_strain_hoop"), strain.T, strict=True)
+            data |= zip(
+                ("bulk_strain_meridional", "bulk_strain_hoop", "elastic_area_strain"), strain.T, strict=True
+            )
         if load.gap_pressure is not None:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
         return _in_space(np.column_stack([radius, height(x)])), [len(profile.x) for profile in profiles], data

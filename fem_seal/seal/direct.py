@@ -90,7 +90,7 @@ class BulkPath(NamedTuple):
         ----------
         profile : PressureProfile
         """
-        return cls(*profile.peak_strain, profile.highest)
+        return cls(*profile.peak_strain[:2], profile.highest)
 
     def total(self, largest: float) -> tuple[float, float]:
         """Strain under the largest pressure so far: of one that grows with it half counts [-].

@@ -186,7 +186,9 @@ class RoughContact:
     def _never_yielding(self) -> RoughContact:
         return replace(self, hardness=None, yielding="", bulk=None)
 
-    def strained(self, meridional: float, hoop: float, *, yield_stress: float | None = None) -> RoughContact:
+    def strained(
+        self, meridional: float, hoop: float, *, yield_stress: float | None = None, elastic: float = 0.0
+    ) -> RoughContact:
         """The same surface over metal whose bulk is strained in the plane of the face, as far as it flows.
 
         Where the bulk flows nothing elastic holds the asperities from below: they sink under a pressure of about the
@@ -199,6 +201,8 @@ class RoughContact:
             Total mean strain along the flow and across it, elastic part included [-].
         yield_stress : float, optional
             Of the asperities, a 2.9th of the hardness unless given [Pa].
+        elastic : float
+            Sum of both elastic strains that are there while the face is loaded, see `pressure_at_rest` [-].
 
         Raises
         ------
@@ -219,13 +223,13 @@ class RoughContact:
         """
         if self.hardness is None:
             raise SurfaceError("hardness = None: only asperities that yield sink into metal that flows")
-        for name, strain in (("meridional", meridional), ("hoop", hoop)):
+        for name, strain in (("meridional", meridional), ("hoop", hoop), ("elastic", elastic)):
             if not -1.0 < strain < 1.0:
                 raise SurfaceError(f"{name} = {strain}: must lie between -1 and 1 [-]")
         if yield_stress is not None:
             positive(SurfaceError, "yield_stress", yield_stress, "Pa")
-        is_strained = meridional != 0.0 or hoop != 0.0
-        return replace(self, bulk=BulkStrain(meridional, hoop, yield_stress) if is_strained else None)
+        bulk = BulkStrain(meridional, hoop, yield_stress, elastic)
+        return replace(self, bulk=bulk if meridional or hoop or elastic else None)
 
     @cached_property
     def _bulk_flow(self) -> BulkFlow | None:
@@ -241,7 +245,9 @@ class RoughContact:
             peklenik=self.peklenik,
         )
 
-    def pressure_at_rest(self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike) -> FloatArray:
+    def pressure_at_rest(
+        self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike, elastic: ArrayLike = 0.0
+    ) -> FloatArray:
         """Pressure at which the face over a bulk that is not strained lets as much through.
 
         Parameters
@@ -251,11 +257,13 @@ class RoughContact:
         meridional, hoop : array_like
             Strain of the bulk at each of them, see `strained`; it counts for asperities that yield, by the corrected
             theory [-].
+        elastic : array_like
+            Sum of both elastic strains while the face is loaded, which make its summits softer or harder [-].
 
         Returns
         -------
         ndarray
-            Of the broadcast shape, not below the pressure [Pa].
+            Of the broadcast shape; below the pressure only where metal is pressed together elastically [Pa].
 
         Examples
         --------
@@ -264,10 +272,11 @@ class RoughContact:
         >>> bool(face.pressure_at_rest(1e8, 0.01, 0.0) > 1e8)
         True
         """
-        p, m, h = np.broadcast_arrays(_checked_pressure(pressure), np.asarray(meridional), np.asarray(hoop))
+        strains = (np.asarray(strain) for strain in (meridional, hoop, elastic))
+        p, m, h, e = np.broadcast_arrays(_checked_pressure(pressure), *strains)
         if self.hardness is None or self.theory != "corrected":
             return np.array(p)
-        return self._at_rest(p, self._flow_of(BulkStrain(m, h)))
+        return self._at_rest(p, self._flow_of(BulkStrain(m, h, elastic=e)))
 
     @property
     def other_way(self) -> RoughContact:

@@ -19,6 +19,7 @@ from leak.numerics.roots import bisect_roots
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.surfaces.turned import Crest, Cusps, TurnedTexture
+from leak.theory.bulk_flow import HARDNESS_OVER_YIELD_STRESS, softer
 from leak.theory.crest_flow import CrestFlow
 from leak.theory.crest_line import CrestLines, PressedCrests, of_each
 from leak.theory.interface_law import TabulatedLaw
@@ -514,7 +515,9 @@ class TurnedContact:
         with np.errstate(divide="ignore"):
             return np.exp(memory.first_loading(np.log(_checked(pressure)), np.log(_checked(largest))))
 
-    def pressure_at_rest(self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike) -> FloatArray:
+    def pressure_at_rest(
+        self, pressure: ArrayLike, meridional: ArrayLike, hoop: ArrayLike, elastic: ArrayLike = 0.0
+    ) -> FloatArray:
         """Pressure at which the face over a bulk that is not strained lets as much through, a thread included.
 
         Parameters
@@ -524,11 +527,13 @@ class TurnedContact:
         meridional, hoop : array_like
             Strain of the bulk at each of them, along the flow and along the crests, see `RoughContact.strained`; it
             counts for crests that yield [-].
+        elastic : array_like
+            See `RoughContact.pressure_at_rest` [-].
 
         Returns
         -------
         ndarray
-            Of the broadcast shape, not below the pressure [Pa].
+            Of the broadcast shape; below the pressure only where metal is pressed together elastically [Pa].
 
         Examples
         --------
@@ -537,11 +542,13 @@ class TurnedContact:
         >>> bool(face.pressure_at_rest(25e6, 0.01, 0.0) > 40e6)
         True
         """
-        p, m, h = np.broadcast_arrays(_checked(pressure), np.asarray(meridional), np.asarray(hoop))
+        strains = (np.asarray(strain) for strain in (meridional, hoop, elastic))
+        p, m, h, e = np.broadcast_arrays(_checked(pressure), *strains)
         if self.hardness is None:
             return np.array(p)
         share = self._lost_share
-        rough = self._rough.pressure_at_rest(p, m, h) if share > 0.0 else p
+        rough = self._rough.pressure_at_rest(p, m, h, e) if share > 0.0 else p
+        least = p * softer(e, self.effective_modulus * HARDNESS_OVER_YIELD_STRESS / self.hardness)
         law, flat = CrestFlow(), _NEARLY_FLAT * self.contact_pressure
         wider, direction = law.widened(
             np.asarray(self.contact_area(p)),
@@ -552,7 +559,7 @@ class TurnedContact:
         )
 
         def acts(closing: FloatArray | float) -> FloatArray:
-            return np.maximum(np.minimum(p * (1.0 + closing * (wider - 1.0)), flat), p)
+            return np.maximum(np.minimum(least * (1.0 + closing * (wider - 1.0)), flat), least)
 
         across = np.asarray(
             acts(law.closing * (1.0 - law.direction * direction)) ** (1.0 - share) * rough**share
@@ -562,7 +569,7 @@ class TurnedContact:
         valleys = acts(law.valleys)
         log_p, falling = self._falling
         both = np.exp(np.interp(-np.log(self._both_cubed(across, valleys)), falling, log_p))
-        return np.where(valleys > across, np.maximum(both, across), across)
+        return np.where(valleys > across, np.clip(both, across, valleys), across)
 
     def _both_cubed(self, across: FloatArray, valleys: FloatArray) -> FloatArray:
         """12 eta times the conductivity of crests at one pressure and of the thread at another one [m^3]."""
@@ -633,7 +640,7 @@ class TurnedContact:
         self,
         pressure: ArrayLike,
         largest: ArrayLike | None,
-        strain: tuple[ArrayLike, ArrayLike] | None = None,
+        strain: tuple[ArrayLike, ...] | None = None,
     ) -> FloatArray:
         """Pressure of first loading that stands for what acts after a larger one, over a strained bulk [Pa]."""
         p = _checked(pressure)
@@ -980,7 +987,7 @@ class TurnedContact:
         *,
         waves: float = math.inf,
         largest: ArrayLike | None = None,
-        strain: tuple[ArrayLike, ArrayLike] | None = None,
+        strain: tuple[ArrayLike, ...] | None = None,
     ) -> FlowError:
         """How far the flow conductivity may be from direct simulation; wide where the face is nearly sealed.
 
@@ -1034,9 +1041,9 @@ class TurnedContact:
         of_crests = 1.0 - self.thread_share(p)
         parts = {name: of_crests**2 * part for name, part in parts.items()}
         if strain is not None:
-            meridional, hoop = (_STRAIN_FACTOR * np.asarray(e) for e in strain)
+            further = [_STRAIN_FACTOR * np.asarray(e) for e in strain[:2]]
             table = self._thread_liquid if self._has_thread else self._table
-            ends = p, self._acts(pressure, largest, (meridional, hoop))
+            ends = p, self._acts(pressure, largest, (*further, *strain[2:]))
             u = [np.maximum(table.effective_separation(acts), _TINY) for acts in ends]
             parts["bulk flow"] = np.minimum(3.0 * np.log(u[0] / u[1]), _SPREAD[-1]) ** 2
         return FlowError(of_crests * bias, np.sqrt(sum(parts.values())), parts)

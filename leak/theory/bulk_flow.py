@@ -5,6 +5,9 @@ any further pressure, and the more of the face touches, the slower the rest sink
 x = p/H and e the plastic strain of the bulk over the rms slope. S is one, and more where the bulk becomes narrower:
 then its metal rises into the valleys by itself. The gaps close further than by pressing to the same area while little
 touches, and less so the more does.
+
+Metal that is stretched or pressed together elastically while the face is loaded does not sink, but has other summits:
+tension helps them to yield, compression holds them.
 """
 
 from __future__ import annotations
@@ -53,6 +56,8 @@ class BulkFlowConstants(NamedTuple):
     lay: float = 0.14
     """Power of the Peklenik number by which strain along the lay flattens less and strain across it more, and by which
     the gaps close less for flow along the lay."""
+    tension: float = 0.1
+    """Share by which summits are softer in metal that is stretched to its yield stress when they are loaded."""
     spread: float = 0.5
     """Standard deviation of ln(direct/theory) of conductivities where all of the contact is from sinking."""
 
@@ -73,6 +78,8 @@ class BulkStrain(NamedTuple):
         Along the flow and across it, of one place or of many [-].
     yield_stress : float, optional
         Of the asperities, in place of a 2.9th of the hardness [Pa].
+    elastic : float or ndarray
+        Sum of both elastic strains while the face is loaded [-].
 
     Examples
     --------
@@ -83,6 +90,7 @@ class BulkStrain(NamedTuple):
     meridional: FloatArray | float
     hoop: FloatArray | float
     yield_stress: float | None = None
+    elastic: FloatArray | float = 0.0
 
 
 class BulkFlow(NamedTuple):
@@ -100,6 +108,8 @@ class BulkFlow(NamedTuple):
         Area towards which it goes, S [-].
     channels : float
         By how much the gaps close less for flow along the lay [-].
+    softer : ndarray
+        Hardness of metal without stress over that of the summits [-].
     constants : BulkFlowConstants
 
     Examples
@@ -114,6 +124,7 @@ class BulkFlow(NamedTuple):
     hardness: float
     filled: FloatArray | float = 1.0
     channels: float = 1.0
+    softer: FloatArray | float = 1.0
     constants: BulkFlowConstants = BULK_FLOW
 
     @classmethod
@@ -142,7 +153,7 @@ class BulkFlow(NamedTuple):
             Length of the asperities along the flow over that across it [-].
         constants : BulkFlowConstants
         """
-        meridional, hoop, yield_stress = strain
+        meridional, hoop, yield_stress, elastic = strain
         c, meridional, hoop = constants, np.asarray(meridional), np.asarray(hoop)
         square = meridional**2 + hoop**2 + meridional * hoop
         stress = hardness / HARDNESS_OVER_YIELD_STRESS if yield_stress is None else yield_stress
@@ -155,13 +166,14 @@ class BulkFlow(NamedTuple):
         plastic = np.hypot(equivalent, late) - late
         direction = np.divide(meridional**2 - hoop**2, square, out=np.zeros(some.shape), where=some)
         rate = (1.0 + c.wider * wider) * peklenik ** (-c.lay * direction)
-        softer = 1.0 + c.softness * HARDNESS_OVER_YIELD_STRESS * stress / (effective_modulus * rms_slope)
+        slower = 1.0 + c.softness * HARDNESS_OVER_YIELD_STRESS * stress / (effective_modulus * rms_slope)
         return cls(
-            plastic * rate / softer / rms_slope,
+            plastic * rate / slower / rms_slope,
             direction,
             HARDNESS_OVER_YIELD_STRESS * stress,
             1.0 + c.rising * np.maximum(-wider, 0.0),
             max(peklenik, 1.0) ** -c.lay,
+            softer(elastic, effective_modulus / stress, c),
             c,
         )
 
@@ -196,4 +208,25 @@ class BulkFlow(NamedTuple):
         closing = np.maximum(ahead, c.least) * self.channels
         with np.errstate(divide="ignore", invalid="ignore"):
             further = np.where(np.asarray(area) > 0.0, growth / area, 0.0)
-        return np.asarray(pressure * (1.0 + closing * further))
+        return np.asarray(pressure * self.softer * (1.0 + closing * further))
+
+
+def softer(
+    elastic: FloatArray | float, modulus_over_stress: float, constants: BulkFlowConstants = BULK_FLOW
+) -> FloatArray:
+    """Hardness of metal without stress over that of metal stretched in its plane; below one if pressed together.
+
+    Parameters
+    ----------
+    elastic : ndarray or float
+        Sum of both elastic strains while the face is loaded [-].
+    modulus_over_stress : float
+        E* over the yield stress of the asperities [-].
+    constants : BulkFlowConstants
+
+    Examples
+    --------
+    >>> float(softer(0.01, 100.0))
+    1.1
+    """
+    return np.asarray(1.0 + constants.tension * np.clip(elastic * modulus_over_stress, -1.0, 1.0))

@@ -6,6 +6,7 @@ import csv
 import math
 
 import bulk_flow
+import bulk_stress
 import numpy as np
 import pytest
 from places import SHARED
@@ -215,3 +216,40 @@ def test_area_at_rest_is_interpolated_closely() -> None:
         p = hardness * np.geomspace(1e-7, 0.999, 50)
         area = np.exp(surface._area_curve.value(np.log(p / hardness)))
         assert area == pytest.approx(np.asarray(surface.contact_area(p)), rel=1e-4)
+
+
+STRESSED = [state for state in bulk_stress.states() if state.face == "random"]
+
+
+def test_elastic_strain_that_comes_with_the_pressure_is_met():
+    """40 states of random faces, stretched or pressed together up to half of the yield strain and more."""
+    errors = [bulk_stress.theory(state) - state.change for state in STRESSED]
+    assert len(errors) == 40
+    assert rms(errors) < 0.06
+    without = bulk_stress.BULK_FLOW._replace(tension=0.0)
+    assert rms([bulk_stress.theory(state, without) - state.change for state in STRESSED]) > 0.15
+
+
+def test_crests_soften_like_random_asperities():
+    """Pressed together, where nothing flows; the same 0.1 within a factor of two and a half."""
+    turned = [state for state in bulk_stress.states() if state.face == "turned"]
+    for mode in ("-x", "-y"):
+        found = [bulk_stress.softening(state) for state in turned if state.mode == mode]
+        assert len(found) > 8
+        assert min(found) > 0.06 and max(found) < 0.25
+    assert all(bulk_stress.softening(state) > 0.06 for state in turned)
+
+
+def test_stretched_metal_has_softer_asperities_up_to_its_yield_stress():
+    surface, strains = face(), np.linspace(-0.02, 0.02, 41)
+    acts = surface.pressure_at_rest(1e8, 0.0, 0.0, strains)
+    assert (np.diff(acts) >= 0.0).all()
+    assert acts[20] == 1e8
+    assert acts[[0, -1]] == pytest.approx([0.9e8, 1.1e8], rel=1e-9)
+    yield_strain = 1e9 / 2.9 / 115e9
+    assert surface.pressure_at_rest(1e8, 0.0, 0.0, 0.5 * yield_strain) == pytest.approx(1.05e8, rel=1e-9)
+    one = surface.strained(0.0, 0.0, elastic=0.5 * yield_strain)
+    assert one.flow_conductivity(1e8, 1e-3) == pytest.approx(
+        float(surface.flow_conductivity(1.05e8, 1e-3)), rel=1e-9
+    )
+    assert surface.elastic.pressure_at_rest(1e8, 0.0, 0.0, 0.001) == 1e8

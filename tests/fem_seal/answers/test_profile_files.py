@@ -304,7 +304,7 @@ def test_strains_stay_with_their_points(name: str, read) -> None:
     found = read(STRAINS[name])[-1]
     assert found.x == pytest.approx(X * 1e-3, abs=2e-9)
     assert found.pressure == pytest.approx(P * 1e6, rel=1e-7)
-    assert found.strain == pytest.approx(np.stack([ALONG, HOOP], axis=1), rel=1e-7)
+    assert found.strain == pytest.approx(np.stack([ALONG, HOOP, ZERO], axis=1), rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -326,9 +326,14 @@ def test_strains_that_are_none_are_told(text: str, said: str, read) -> None:
 
 def test_columns_of_strains_without_numbers_say_nothing(read) -> None:
     """So they stand in profile.csv of a profile that had none."""
-    rows = "".join(f"{x:.9g},{p:.9g},,\n" for x, p in zip(X, P, strict=True))
-    (found,) = read(f"{STRAINED}\n{rows}")
+    rows = "".join(f"{x:.9g},{p:.9g},,,\n" for x, p in zip(X, P, strict=True))
+    (found,) = read(f"{STRAINED},elastic_area_strain\n{rows}")
     assert found.strain is None and found.pressure == pytest.approx(P * 1e6, rel=1e-7)
+
+
+def test_the_elastic_part_may_stand_beside_the_strains(read) -> None:
+    (found,) = read(written(f"{STRAINED},elastic_area_strain", X, P, ALONG, HOOP, 1e-3 + ZERO))
+    assert found.strain == pytest.approx(np.stack([ALONG, HOOP, 1e-3 + ZERO], axis=1), rel=1e-7)
 
 
 def test_strained_metal_leaks_as_unstrained_metal_that_is_pressed_harder(read) -> None:
@@ -357,7 +362,7 @@ def test_metal_that_may_flow_asks_for_its_strain(read) -> None:
         profiles = read(written("x [mm],p [MPa]", X, P / P.max() * share * flows / 1e6))
         (load,) = leak_of_profiles(problem(), profiles)
         found.append([one for one in load.validity.cautions if one.kind == "bulk strain"])
-        zero = np.zeros((len(profiles[0].x), 2))
+        zero = np.zeros((len(profiles[0].x), 3))
         (known,) = leak_of_profiles(problem(), [replace(profiles[0], strain=zero)])
         assert not any(one.kind == "bulk strain" for one in known.validity.cautions)
         assert load.leak_interval.high == known.leak_interval.high

@@ -96,12 +96,8 @@ def test_elastic_strain_is_that_of_a_half_space_under_a_line_contact() -> None:
     assert found[pressed, 0] == pytest.approx(formula[pressed], rel=0.08)
     # the seat as a ring is stretched a little
     assert np.all(np.abs(found[pressed, 1]) < 0.25 * np.abs(found[pressed, 0]))
-    assert np.array_equal(contact.profile.strain, found)
-
-
-def test_bodies_that_do_not_yield_have_no_strain() -> None:
-    model = fem_seal.condense(meshes.build(BALL, CONE, SIZING), {"closure": STEEL, "seat": STEEL})
-    assert fem_seal.solve(model, LAW, contact_force=20e3).profile.strain is None
+    assert contact.profile.strain is not None
+    assert np.array_equal(contact.profile.strain[:, :2], found)
 
 
 def test_strain_does_not_depend_on_the_load_steps() -> None:

@@ -43,7 +43,7 @@ LEAK_HEADER = (
 )
 PROFILE_HEADER = (
     "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa,"
-    "contact_force_per_length_N_per_m,bulk_strain_meridional,bulk_strain_hoop,"
+    "contact_force_per_length_N_per_m,bulk_strain_meridional,bulk_strain_hoop,elastic_area_strain,"
     "contact_conductance_W_per_m2_K"
 )
 
