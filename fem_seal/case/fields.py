@@ -27,6 +27,8 @@ NUMBER_WITH_UNIT = rf"^\s*{NUMBER}(\s+\S|[^\s\d.eE]).*$"
 
 # More loads than this in one case are a slip (num = 20000): a study is made of several cases.
 MOST_PRESSURES = 1000
+# Names of the forms in which an entry may be given; the messages leave them out.
+FORMS = ("a table", "a name")
 
 
 class Entry:

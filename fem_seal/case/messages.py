@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from fem_seal.case.fields import Table, key_of, show
+from fem_seal.case.fields import FORMS, Table, key_of, show
 from fem_seal.case.material_table import CURVE_FORMS
 from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.errors import Problem
@@ -45,7 +45,7 @@ def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str
         if chosen:
             candidates = chosen
             continue
-        if part in CURVE_FORMS:
+        if part in (*CURVE_FORMS, *FORMS):
             continue
         if isinstance(part, int):
             path[-1] += f"[{part + 1}]"

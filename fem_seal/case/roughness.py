@@ -14,9 +14,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
-from fem_seal.case.fields import Entry, Number, OneOrRange, Quantity, Table, show
+from fem_seal.case.fields import FORMS, Entry, Number, OneOrRange, Quantity, Table, show
 from fem_seal.case.messages import missing_key, problems
 from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import (
@@ -479,6 +487,11 @@ class FineRoughness(Table):
     q_high: Wavenumber | None = None
 
 
+Fine = Annotated[
+    Annotated[FineRoughness, Tag(FORMS[0])] | Annotated[FinishTable, Tag("finish")],
+    Discriminator(lambda value: "finish" if isinstance(value, FinishTable) or is_finish(value) else FORMS[0]),
+]
+
 # Keys of other tables that say in [roughness] how a random surface looks.
 _OF_RANDOM = ("hurst", "q_low", "q_rolloff", "q_high", "lay", "lay_aspect", "peklenik", *HEIGHTS)
 
@@ -503,7 +516,7 @@ class TurnedFace(Table):
     process: Literal["turned"]
     feed: Annotated[float, Quantity("length", "1 um", "5 mm")]
     nose_radius: Annotated[float, Quantity("length", "5 um", "50 mm")]
-    fine: Annotated[FineRoughness | FinishTable, Field(union_mode="left_to_right")]
+    fine: Fine
     spiral: bool = True
 
     @model_validator(mode="before")
@@ -584,7 +597,7 @@ class Roughness(FinishKeys):
 
     kind: Literal["finish", "turned"] | None = None
     feed: Annotated[float, Quantity("length", "1 um", "5 mm")] | None = None
-    fine: Annotated[FineRoughness | FinishTable | None, Field(union_mode="left_to_right")] = None
+    fine: Fine | None = None
     spectrum: Spectrum | None = None
     seat: Spectrum | None = None
     closure: Spectrum | None = None

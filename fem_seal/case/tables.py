@@ -11,12 +11,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
-from pydantic import Field, PrivateAttr, create_model, model_validator
+from pydantic import Discriminator, Field, PrivateAttr, Tag, create_model, model_validator
 
 from fem_seal.case import shapes
 from fem_seal.case.bolts import BoltsTable
 from fem_seal.case.drawn import ClosureProfile, GasketProfile, SeatProfile
 from fem_seal.case.fields import (
+    FORMS,
     RATES,
     Bubbles,
     Chamber,
@@ -171,12 +172,18 @@ class MapPart(Table):
         return self
 
 
+Part = Annotated[
+    Annotated[str, Tag(FORMS[1])] | Annotated[MapPart, Tag(FORMS[0])],
+    Discriminator(lambda value: FORMS[isinstance(value, str)]),
+]
+
+
 class Map(Table):
     """[map]: where the fluid stands at the edge of a map of contact pressure, and how the lay of the roughness lies."""
 
-    high: str | MapPart | None = None
-    low: str | MapPart | None = None
-    wall: str | MapPart | None = None
+    high: Part | None = None
+    low: Part | None = None
+    wall: Part | None = None
     lay: Annotated[tuple[float, ...], Numbers(Number(-1e6, 1e6))] | None = None
 
     @model_validator(mode="after")
