@@ -78,7 +78,7 @@ AXES = {
     "reading": Axis(
         (r"(?<!th)(?<!Th)(?<!calibrate_)(?i:reading)", r"(?i)\W?capped", r"(?i)conserved", r"^VON_MISES$"),
         r"\b[Rr]eadings?\b|\bReading",
-        ("answers/calibration.py", "answers/conflict.py", "output/calibration.py"),
+        ("answers/calibration.py", "answers/conflict.py", "output/calibration.py", "testplan.py"),
     ),
     # the two flanges of a gasket; not the parts of a seal, through which the others loop: contacts that are solved by
     # themselves and leak side by side, whatever they are

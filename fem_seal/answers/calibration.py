@@ -356,7 +356,7 @@ def calibrate(
         *(readings[n].case.load.points[0] for n in alike),
         *(point for _, point in tests),
     ]
-    groups = [_group(_with_points(base, points), settings, values, progress)]
+    groups = [_group(with_points(base, points), settings, values, progress)]
     if groups[0].points[: len(base.load.points)] != list(base.load.points):
         raise InputError(problem("calibrate_load"))
     place: dict[int, int] = {}
@@ -485,7 +485,15 @@ def _exp(logarithms: Percentiles) -> Percentiles:
     return low, middle, high
 
 
-def _with_points(case: Case, points: Sequence[tuple[float, float]]) -> Case:
+def with_points(case: Case, points: Sequence[tuple[float, float]]) -> Case:
+    """The case under other loads, without bolts.
+
+    Parameters
+    ----------
+    case : Case
+    points : sequence of tuple
+        Fluid pressure [Pa] and applied force [N] of each.
+    """
     pressures, forces = zip(*points, strict=True)
     entries = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
     return case.replace({**entries, "bolts": None})
@@ -507,7 +515,7 @@ def _by_fluid_and_memory(
     for numbers in groups.values():
         yield (
             numbers,
-            _with_points(readings[numbers[0]].case, [readings[n].case.load.points[0] for n in numbers]),
+            with_points(readings[numbers[0]].case, [readings[n].case.load.points[0] for n in numbers]),
         )
 
 
@@ -619,7 +627,7 @@ def _load_tests(case: Case) -> list[tuple[str, tuple[float, float]]]:
 def _other_tests(case: Case) -> Iterator[tuple[str, Case]]:
     """Tests with another gas, and after a larger force, at the last load of the case."""
     pressure, force = case.load.points[-1]
-    last = _with_points(case, [(pressure, force)])
+    last = with_points(case, [(pressure, force)])
     gas = "helium" if _fluid(case) == "nitrogen" else "nitrogen"
     yield "gas", with_fluid(last, gas)
     if not curves(case) and case.hardness is not None and force > 0.0 and case.load.earlier is None:

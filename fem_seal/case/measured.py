@@ -121,6 +121,9 @@ def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
     ):
         which = "measured_column" if name in columns else "measured_missing"
         raise InputError(problem(which, name=name, columns=", ".join(_COLUMNS)))
+    at = columns.index("leak_rate")
+    if not any(cell for row in cells for cell in row[at : at + 1]):
+        raise InputError(problem("measured_unfilled", rows=len(cells)))
     for (line, _), row in zip(rows[1:], cells, strict=True):
         if len(row) != len(header):
             raise InputError(problem("measured_row", line=line, cells=len(row), columns=len(header)))

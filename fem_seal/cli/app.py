@@ -20,6 +20,7 @@ from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
+from fem_seal.cli.testplan import testplan
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text, write
 from fem_seal.files import problem
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
@@ -42,7 +43,7 @@ app = typer.Typer(
 
 app.add_typer(study_app, name="study")
 app.command(cls=ForceTakesNoValue)(new)
-for _command in (materials, fluids, table, calibrate):
+for _command in (materials, fluids, table, calibrate, testplan):
     app.command()(_command)
 
 
