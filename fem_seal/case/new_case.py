@@ -365,6 +365,84 @@ def without_entry(text: str, path: str) -> str:
     return text if at is None else "\n".join(lines[: at["line"]] + lines[at["line"] + 1 :]) + "\n"
 
 
+def with_options(
+    text: str, name: str, options: Mapping[str, str], entries: Collection[str] = ()
+) -> tuple[str, str]:
+    """The text of a template with what was asked for, and what was changed beside it, in words.
+
+    Parameters
+    ----------
+    text : str
+    name : str
+        Of the template.
+    options : mapping
+        From names of `QUESTIONS` to answers.
+    entries : collection of str
+        Other entries, ``KEY=VALUE``.
+
+    Raises
+    ------
+    InputError
+        If the template has no such entry, or an entry is none.
+    """
+    paths = {question.name: path for question, path, _ in find_questions(text)}
+    # a template with a class also takes a leak rate; in one with a leak rate a class replaces it
+    paths.setdefault("leak-rate", "requirement.leak_rate")
+    paths.setdefault("class", "requirement.class")
+    if "set-pressure" in paths:
+        # a force in its place
+        paths["applied-force"] = "load.applied_force"
+    unknown = [key for key in options if key not in paths]
+    if unknown:
+        option_names = ", ".join(f"--{item.name}" for item in QUESTIONS if item.name in paths)
+        raise InputError(problem("new_not_in_template", key=unknown[0], name=name, known=option_names))
+    changes = {paths[key]: value for key, value in options.items() if key != "class"}
+    for entry in entries:
+        key, equals, value = entry.partition("=")
+        if not (equals and key.strip() and value.strip()):
+            raise InputError.at("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry)
+        changes[key.strip()] = value.strip()
+    pressures = up_to(options.get("set-pressure", ""))
+    if pressures is not None:
+        # those of the template may be above it, or far below
+        changes.setdefault("load.fluid_pressure", pressures)
+    # the bore is scaled first; the closure may then get its own size
+    size_path = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
+    if size_path is not None:
+        text = scale_case(text, size_path, changes[size_path], fixed_paths=tuple(changes))
+    if "included-angle" in options and "diameter" not in options:
+        text = for_angle(text, options["included-angle"])
+    old_values = {path: value for _, path, value in find_questions(text)}
+    text, changes = with_own_finish(text, changes)
+    text, told = with_entries(text, changes), ""
+    if options.get("fluid") not in (None, old_values.get("fluid.name")):
+        fixed = {*changes, *(("requirement.standard", "requirement.class") if "class" in options else ())}
+        text, told = with_fluid_entries(text, fixed)
+    if "class" in options:
+        text = with_entries(text, required_class(text, options["class"]))
+        if "leak-rate" not in options:
+            text = without_entry(text, "requirement.leak_rate")
+    return text, told
+
+
+def with_fluid_entries(text: str, fixed: AbstractSet[str]) -> tuple[str, str]:
+    """The text with what follows from its fluid, and that in words.
+
+    Parameters
+    ----------
+    text : str
+    fixed : set of str
+        Paths that stay as they are.
+    """
+    follows = for_fluid(text, fixed)
+    entries = {path: value for path, value in follows.items() if value is not None}
+    told = ", ".join(f"{path} = {value}" for path, value in entries.items())
+    text = with_entries(text, entries)
+    for path in follows.keys() - entries.keys():
+        text = without_entry(text, path)
+    return text, f"With the fluid: {told}" if told else ""
+
+
 def read_text_case(text: str) -> Case:
     """The case in a text, checked.
 

@@ -21,7 +21,7 @@ from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.cli.testplan import testplan
-from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text, write
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, defect_text
 from fem_seal.files import problem
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
 from fem_seal.units import Display
@@ -227,23 +227,10 @@ def check(
     debug: terminal.Debug = False,
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
-    from fem_seal.answers.closed_forms import (
-        closed_form_limits,
-        derive,
-        foresee_findings,
-        nearly_open,
-        run_seconds,
-        strain_limit,
-        without_stop,
-    )
     from fem_seal.output.answers.verdict import requirement_lines
-    from fem_seal.output.case_words import (
-        crest_rows,
-        derived_numbers,
-        finish_rows,
-        requirement_numbers,
-        temperature_rows,
-    )
+    from fem_seal.output.case_words import crest_rows, finish_rows, temperature_rows
+    from fem_seal.output.check import check_of
+    from fem_seal.seal.cost import about
     from fem_seal.seal.heating import with_contact_temperatures
 
     case = with_contact_temperatures(terminal.case_of_command(case_file))
@@ -252,36 +239,20 @@ def check(
         from fem_seal.output.pictures.section import write_section
 
         image = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
-    derivation = derive(case)
-    numbers = derived_numbers(case, derivation)
-    from fem_seal.seal.cost import about
-    from fem_seal.seal.problem import SealProblem, size_mesh
-
-    problem = SealProblem.of(case)
-    numbers["contact_size_m"] = size_mesh(problem).contact_size
-    numbers["requirement"] = requirement_numbers(case)
-    numbers["run_time_s"] = run_seconds(
-        problem, samples=case.sampling is not None, target=case.load.target_leak_rate is not None
-    )
-    limits = [
-        *foresee_findings(problem, derivation),
-        nearly_open(derivation),
-        strain_limit(derivation),
-        without_stop(case) or closed_form_limits(case, derivation),
-    ]
+    checked = check_of(case)
+    problem, numbers = checked.problem, checked.numbers
     if json:
         terminal.say_json(numbers)
     elif not quiet:
         terminal.tell(f"{case_file} is valid: {case.title}", bold=True)
         terminal.tell(*(f"judged: {line}" for line in requirement_lines(case)))
-        crests = crest_rows(case.display, problem.surface, derivation, leaks=problem.leaks)
+        crests = crest_rows(case.display, problem.surface, checked.derivation, leaks=problem.leaks)
         for name, text in (*finish_rows(case), *crests, *temperature_rows(case, problem)):
             terminal.tell(f"  {name:30}{text}", indent=32)
         if numbers["run_time_s"] is not None:
             terminal.tell(f"  {'time of a run':30}{about(numbers['run_time_s'])}, in load steps", indent=32)
         terminal.show_derived(case, numbers, details=details)
-    texts = [write(text, case.display) for text in limits if text]
-    terminal.warn([*_remarks(case), *texts], "" if details or quiet or json else "--details")
+    terminal.warn(checked.remarks, "" if details or quiet or json else "--details")
     if image is not None and not (json or quiet):
         terminal.say(f"picture in {image}")
 
@@ -496,35 +467,6 @@ def _create_folder(folder: Path) -> Path:
         reason = (getattr(error, "strerror", None) or "not a folder name").lower()
         raise InputError(problem("output_folder", reason=reason, folder=folder)) from None
     return folder
-
-
-def _remarks(case: Case) -> list[str]:
-    from fem_seal.materials import creep_remarks
-    from fem_seal.seal.problem import problems_of
-    from fem_seal.validity.fluid import film_cautions
-    from fem_seal.validity.materials import hardness_cautions, material_cautions
-
-    remarks: list[object] = []
-    if case.roughness is None:
-        remarks.append("no [roughness]: no leak rate is calculated")
-    if case.fluid is None:
-        remarks.append("no [fluid]: no leak rate is calculated")
-    if case.roughness is not None:
-        remarks.extend(case.roughness.remarks())
-    if (key := case.uneven_key) is not None:
-        remarks.append(problem("check_of_round_seal", key="[form]" if key == "form" else key))
-    if case.form is not None:
-        remarks.extend(case.form.without_effect(case.contact.angle))
-    problems = problems_of(case)
-    first = problems[0]
-    remarks.extend(text for _, _, text in first.origin.face_remarks)
-    remarks.extend(creep_remarks(first.labelled_materials))
-    remarks.extend((*film_cautions(first), *hardness_cautions(first), *material_cautions(first)))
-    if case.load.target_leak_rate is not None:
-        from fem_seal.answers.target import target_remarks
-
-        remarks.extend(target_remarks(problems))
-    return [write(remark, case.display) for remark in remarks]
 
 
 def _warn_of_unfinished_designs(folder: Path) -> None:

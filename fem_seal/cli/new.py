@@ -78,7 +78,9 @@ def new(
         "class": leakage_class,
     }
     options = {key: value for key, value in answers.items() if value is not None}
-    text = _with_options(text, name, options, entries or [])
+    text, told = new_case.with_options(text, name, options, entries or [])
+    if told:
+        say(told)
     if asks:
         text = _with_answers(text, options)
     else:
@@ -136,63 +138,6 @@ def _check_place(path: Path, force: bool) -> None:
         raise InputError(problem("new_file_ending", path=path))
 
 
-def _with_options(text: str, name: str, options: Mapping[str, str], entries: list[str]) -> str:
-    from fem_seal.case import new_case
-
-    paths = {question.name: path for question, path, _ in new_case.find_questions(text)}
-    # a template with a class also takes a leak rate; in one with a leak rate a class replaces it
-    paths.setdefault("leak-rate", "requirement.leak_rate")
-    paths.setdefault("class", "requirement.class")
-    if "set-pressure" in paths:
-        # a force in its place
-        paths["applied-force"] = "load.applied_force"
-    unknown = [key for key in options if key not in paths]
-    if unknown:
-        option_names = ", ".join(f"--{item.name}" for item in new_case.QUESTIONS if item.name in paths)
-        raise InputError(problem("new_not_in_template", key=unknown[0], name=name, known=option_names))
-    changes = {paths[key]: value for key, value in options.items() if key != "class"}
-    for entry in entries:
-        key, equals, value = entry.partition("=")
-        if not (equals and key.strip() and value.strip()):
-            raise InputError.at("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry)
-        changes[key.strip()] = value.strip()
-    pressures = new_case.up_to(options.get("set-pressure", ""))
-    if pressures is not None:
-        # those of the template may be above it, or far below
-        changes.setdefault("load.fluid_pressure", pressures)
-    # the bore is scaled first; the closure may then get its own size
-    size_path = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
-    if size_path is not None:
-        text = new_case.scale_case(text, size_path, changes[size_path], fixed_paths=tuple(changes))
-    if "included-angle" in options and "diameter" not in options:
-        text = new_case.for_angle(text, options["included-angle"])
-    old_values = {path: value for _, path, value in new_case.find_questions(text)}
-    text, changes = new_case.with_own_finish(text, changes)
-    text = new_case.with_entries(text, changes)
-    if options.get("fluid") not in (None, old_values.get("fluid.name")):
-        fixed = {*changes, *(("requirement.standard", "requirement.class") if "class" in options else ())}
-        text = _for_fluid(text, fixed)
-    if "class" in options:
-        text = new_case.with_entries(text, new_case.required_class(text, options["class"]))
-        if "leak-rate" not in options:
-            text = new_case.without_entry(text, "requirement.leak_rate")
-    return text
-
-
-def _for_fluid(text: str, fixed: set[str]) -> str:
-    """The text with what follows from its fluid, which is told."""
-    from fem_seal.case import new_case
-
-    follows = new_case.for_fluid(text, fixed)
-    entries = {path: value for path, value in follows.items() if value is not None}
-    if entries:
-        say(f"With the fluid: {', '.join(f'{path} = {value}' for path, value in entries.items())}")
-    text = new_case.with_entries(text, entries)
-    for path in follows.keys() - entries.keys():
-        text = new_case.without_entry(text, path)
-    return text
-
-
 def _with_answers(text: str, options: Mapping[str, str]) -> str:
     """Ask for every entry that no option has given; answers that contradict each other are asked again."""
     from fem_seal.case import new_case
@@ -231,7 +176,9 @@ def _answer_question(text: str, question: Question, path: str, value: str, fixed
             )
             new_text = new_case.with_entries(scaled_text, {path: answer})
             if question.name == "fluid":
-                new_text = _for_fluid(new_text, set(fixed))
+                new_text, told = new_case.with_fluid_entries(new_text, set(fixed))
+                if told:
+                    say(told)
         try:
             new_case.read_text_case(new_text)
         except NoLoadLeftError:
