@@ -443,6 +443,22 @@ def view(
 
 
 @app.command()
+def mcp(
+    folder: Annotated[Path, terminal.option("mcp", "folder")] = Path(),
+    time_limit: Annotated[float, terminal.option("mcp", "time_limit")] = 15.0,
+    debug: terminal.Debug = False,
+) -> None:
+    """Answer an assistant (Model Context Protocol) over standard input and output, with the cases of one folder."""
+    try:
+        from fem_seal.mcp.server import serve
+    except ImportError as error:
+        from leak.extras import say_missing
+
+        raise InputError(problem("mcp_missing", missing=say_missing("mcp", error))) from None
+    serve(folder, 60.0 * time_limit)
+
+
+@app.command()
 def schema(study: Annotated[bool, terminal.option("schema", "study")] = False) -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
     if study:

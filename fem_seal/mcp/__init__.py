@@ -1,0 +1,1 @@
+"""Answers for an assistant: the tools of `fem-seal mcp`, within one folder."""
