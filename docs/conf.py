@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent))
+sys.path[:0] = [str(HERE.parent), str(HERE / "make")]
 
 from fem_seal.version import __version__  # noqa: E402
 
@@ -16,6 +16,7 @@ author = copyright = "the fem-seal authors"
 version = release = __version__
 
 extensions = [
+    "markdown_pages",
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",

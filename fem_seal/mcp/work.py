@@ -217,15 +217,12 @@ def study(
             tell(f"{self.done_count} of {self.total} designs")
 
     path, _, tables = folder.tables("study", study_path, study_toml)
-    if path is not None:
-        plan = fem_seal.load_study(path)
-        text = folder.tables("case", str(path.parent / tables["base"]), "")[1]
-    elif "base" in tables:
-        name = str(tables["base"])
-        plan, text = fem_seal.Study(tables), folder.tables("case", name, "")[1]
-    else:
-        case, text = folder.case(case_path, case_toml)
+    base = tables.pop("base", "")
+    if path is None:
+        case, text = folder.case(base or case_path, case_toml)
         plan = fem_seal.Study(case, **tables)
+    else:
+        plan, text = fem_seal.load_study(path), folder.tables("case", str(path.parent / base), "")[1]
     count = plan.optimise.trials if plan.optimise else len(plan.points)
     if count > _DESIGNS:
         raise InputError(problem("mcp_designs", count=count, most=_DESIGNS))
