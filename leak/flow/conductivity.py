@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,10 +20,6 @@ from leak.arrays import FloatArray
 from leak.errors import ConductivityError, positive
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, spline_slopes
-
-if TYPE_CHECKING:
-    from scipy.interpolate import RectBivariateSpline
-
 
 METHODS = ("bruggeman", "critical-junction", "threshold-law")
 # ... of them those that know no direction of the roughness.
@@ -584,19 +580,17 @@ class LoadMemory:
         """ln(p*/p) over p_max/hardness and ln(p_max/p)."""
         share = np.clip(log_share, *_LOG_SHARES[[0, -1]])
         deepest = np.full(fall.shape, _FALLS[-1])
-        rise = np.asarray(self._spline.ev(share, np.minimum(fall, deepest)))
+        rise = self._spline.at(share)(np.minimum(fall, deepest))
         is_beyond = fall > deepest
         if np.any(is_beyond):
-            slope = np.asarray(self._spline.ev(share[is_beyond], deepest[is_beyond], dy=1))
+            slope = self._spline.at(share[is_beyond], slope=True)(deepest[is_beyond])
             rise[is_beyond] += (fall - deepest)[is_beyond] * slope
         return rise
 
     @cached_property
-    def _spline(self) -> RectBivariateSpline:
-        from scipy.interpolate import RectBivariateSpline
-
+    def _spline(self) -> CubicSurface:
         assert self.surface.hardness is not None  # elastic asperities do not get here
         largest = self.surface.hardness * np.exp(_LOG_SHARES)[:, None]
         pressure = largest * np.exp(-_FALLS)
         equivalent = self.surface.equivalent_first_loading_pressure(pressure, largest)
-        return RectBivariateSpline(_LOG_SHARES, _FALLS, np.log(equivalent / pressure))
+        return CubicSurface(_LOG_SHARES, _FALLS, np.log(equivalent / pressure))

@@ -280,8 +280,8 @@ class CubicSurface:
     y: FloatArray
     z: FloatArray
 
-    def at(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """z at given x as a function of y."""
+    def at(self, x: FloatArray, *, slope: bool = False) -> Callable[[FloatArray], FloatArray]:
+        """z, or dz/dy, at given x as a function of y."""
         k = self.x[1:-1].searchsorted(x, side="right")
         row, s = k * (self.y.size - 1), x - self.x[k]
 
@@ -289,6 +289,8 @@ class CubicSurface:
             j = self.y[1:-1].searchsorted(y, side="right")
             c, t = self._bicubics.take(row + j, axis=-1), y - self.y[j]
             in_y = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+            if slope:
+                return np.asarray(in_y[1] + t * (2.0 * in_y[2] + t * 3.0 * in_y[3]))
             return np.asarray(in_y[0] + t * (in_y[1] + t * (in_y[2] + t * in_y[3])))
 
         return value

@@ -40,6 +40,8 @@ def test_of_two_variables():
     ours, theirs = CubicSurface(x, y, z), RectBivariateSpline(x, y, z)
     at = rng.uniform(x[0], x[-1], 200), rng.uniform(y[0], y[-1], 200)
     assert ours.at(at[0])(at[1]) == pytest.approx(theirs.ev(*at), rel=1e-9, abs=1e-9)
+    slopes = theirs.ev(*at, dy=1)
+    assert ours.at(at[0], slope=True)(at[1]) == pytest.approx(slopes, rel=1e-9, abs=1e-8)
     grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
     assert ours.at(grid_x)(grid_y) == pytest.approx(z, abs=1e-10)
     assert cubic_spline_slopes(x, z)[:, 3] == pytest.approx(cubic_spline_slopes(x, z[:, 3]), rel=1e-12)
