@@ -378,7 +378,7 @@ def test_metal_that_may_flow_asks_for_its_strain(read) -> None:
 
 @pytest.mark.slow
 def test_the_profile_of_a_yielding_run_leaks_as_the_run(tmp_path: Path) -> None:
-    """As closely as one without strain; without its strains 4 % more."""
+    """As closely as one without strain; without its strains 2 % more."""
     tables = read_toml(EXAMPLES / "copper_ring.toml", "case")
     tables["load"]["applied_force"] = "2 kN"
     ring = fem_seal.run(case_of(tables))
@@ -387,7 +387,7 @@ def test_the_profile_of_a_yielding_run_leaks_as_the_run(tmp_path: Path) -> None:
     (without,) = leak_of_profiles(ring.problem, [replace(profiles[0], strain=None)])
     rate = ring.loads[0].leak.leak_rate
     assert load.leak.leak_rate == pytest.approx(rate, rel=2e-3)
-    assert without.leak.leak_rate > 1.03 * rate
+    assert without.leak.leak_rate > 1.015 * rate
     assert without.leak_interval.low < 0.01 * load.leak_interval.low
 
 
