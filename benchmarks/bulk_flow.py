@@ -67,6 +67,7 @@ class State(NamedTuple):
     area: float
     along: float
     across: float
+    gap: float
 
     @property
     def mean(self) -> float:
@@ -113,13 +114,13 @@ def states() -> list[State]:
     paths: dict[tuple[str, ...], dict[str, dict[float, list[float]]]] = defaultdict(lambda: defaultdict(dict))
     with TABLE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            values = [float(row[name]) for name in ("area", "k_along", "k_across")]
+            values = [float(row[name]) for name in ("area", "k_along", "k_across", "gap")]
             paths[tuple(row[name] for name in PATH)][row["seed"]][float(row["strain"])] = values
     found = []
     for path, maps in paths.items():
         strains = sorted(set.intersection(*map(set, maps.values())))
         mean = np.mean([[one[strain] for strain in strains] for one in maps.values()], axis=0)
-        at_rest = float(mean[0, 1:].mean())
+        at_rest = float(mean[0, 1:3].mean())
         found += [
             State(path, len(maps), at_rest, strain, *map(float, values / mean[0]))
             for strain, values in zip(strains[1:], mean[1:], strict=True)
@@ -147,6 +148,15 @@ def theory(state: State, constants: BulkFlowConstants = BULK_FLOW) -> tuple[floa
         u = np.asarray(table(rest).effective_separation([p, float(bulk.pressure(area, p))]))
         ratios.append(float((u[1] / u[0]) ** 3))
     return float(bulk.area(area, p)) / area, *ratios
+
+
+def gap_at_rest(state: State) -> float:
+    """Mean gap at rest under the pressure that lets as much through, over that without strain, for flow along x."""
+    *shape, share, mode, _ = state.path
+    rest, p = face(*map(float, shape)), float(share) * float(shape[-1])
+    acts = rest.pressure_at_rest(p, *(sign * state.strain for sign in MODES[mode]))
+    gaps = np.asarray(rest.mean_separation(np.append(p, acts)))
+    return float(gaps[1] / gaps[0])
 
 
 def log_misses(state: State, constants: BulkFlowConstants = BULK_FLOW) -> list[float]:

@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, reduce
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elastoplastic import BodyState
 from fem_seal.bodies.fields import BodyField, elastoplastic_field
-from fem_seal.contact.laws import Law
+from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.plastic_step import (
     Equilibrium,
@@ -28,6 +29,9 @@ from fem_seal.contact.plastic_step import (
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
 from fem_seal.errors import ConvergenceError, LimitLoadError, LongPathError, OpenSealError
 from fem_seal.files import problem
+
+if TYPE_CHECKING:
+    from leak.flow.turned_contact import FaceContact
 
 
 @dataclass(frozen=True)
@@ -642,6 +646,8 @@ class ElastoplasticContact(ContactSolution):
         The bodies linearised at this load: what they answer to a small change of it, or of the interface law.
     flattening : mapping
         Of the bodies that yield by name: what their strain on the way to this load flattens.
+    sunk : ndarray, shape (m,), or float
+        By how much asperities have sunk into metal that flows [m].
     """
 
     bodies: Mapping[str, YieldingBody] = field(repr=False)
@@ -650,6 +656,28 @@ class ElastoplasticContact(ContactSolution):
     load_steps: int = 1
     linear: ContactModel | None = field(default=None, repr=False)
     flattening: Mapping[str, Flattening] = field(default_factory=dict, repr=False)
+    sunk: FloatArray | float = field(default=0.0, repr=False)
+
+    @property
+    def mean_gap(self) -> FloatArray:
+        """See `ContactSolution.mean_gap`."""
+        return self.gap - self.sunk
+
+    def over_strained_metal(self, surface: FaceContact, law: Law) -> ElastoplasticContact:
+        """The same with asperities sunk by what its strain lets them: the gap at rest where as much flows.
+
+        Parameters
+        ----------
+        surface : RoughContact or TurnedContact
+        law : InterfaceLaw or HardContact
+            Of faces over metal that is not strained.
+        """
+        if isinstance(law, HardContact) or self.strain is None:
+            return self
+        at_rest = surface.pressure_at_rest(self.pressure, *self.strain.T)
+        # below 1 Pa nothing sinks
+        before, after = (law.gap(np.log(np.maximum(p, 1.0))) for p in (self.pressure, at_rest))
+        return replace(self, sunk=before - after)
 
     @property
     def strain(self) -> FloatArray | None:

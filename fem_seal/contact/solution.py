@@ -237,13 +237,18 @@ class ContactSolution:
         known = [strain for strain in strains if strain is not None]
         return reduce(larger_strain, known) if known else None
 
+    @property
+    def mean_gap(self) -> FloatArray:
+        """Distance of the mean planes at the points of the contact line, of asperities that have sunk as well [m]."""
+        return self.gap
+
     @cached_property
     def profiles(self) -> tuple[PressureProfile, ...]:
         """Nominal pressure profile on each land of the contact line, from the axis outwards."""
         line, strain = self.model.line, self.strain
 
         def profile_on(land: slice, reach: tuple[float | None, float | None]) -> PressureProfile:
-            points = line.x[land], line.radius[land], self.pressure[land], self.gap[land]
+            points = line.x[land], line.radius[land], self.pressure[land], self.mean_gap[land]
             profile = PressureProfile(*points, line.arc_weight[land], reach)
             if strain is not None:
                 profile = replace(profile, strain=strain[land])

@@ -659,7 +659,10 @@ def _walk_path(
         if not isinstance(error.partial, LoadPath):
             raise
         path = error.partial
-    if solver.asperities_remember:
+    surface = problem.surface
+    if surface is not None and surface.hardness is not None:
+        sunk = (contact.over_strained_metal(surface, problem.law) for contact in path.contacts)
+        path = replace(path, contacts=tuple(sunk))
         # each with the largest pressures before it
         path = replace(
             path, contacts=tuple(accumulate(path.contacts, lambda last, contact: contact.after(last)))

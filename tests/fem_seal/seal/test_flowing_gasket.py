@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 import fem_seal
@@ -76,6 +77,17 @@ def test_the_report_says_that_the_gasket_flows_and_what_it_changes() -> None:
     area, rests = strained.contact_area(load.peak_pressure), result.surface.contact_area(load.peak_pressure)
     assert area > 1.02 * rests and said.startswith("The gasket flows: asperities flatten to")
     assert float(said.split("flatten to ")[1].split(" %")[0]) == pytest.approx(100.0 * area, rel=0.02)
+
+
+def test_asperities_that_sink_bring_the_faces_nearer() -> None:
+    """The mean gap is that of the law under the pressure at rest that lets as much through; pressures stay."""
+    (load,), law = pressed("78 kN").loads, SealProblem.of(flat_gasket("78 kN")).law
+    contact, surface = load.contact, pressed("78 kN").surface
+    pressed_hard = contact.pressure > 0.5 * contact.pressure.max()
+    rest = surface.pressure_at_rest(contact.pressure, *contact.strain.T)[pressed_hard]
+    gap = load.whole_profile.gap[pressed_hard]
+    assert gap == pytest.approx(law.gap(np.log(rest)), rel=1e-6)
+    assert (gap < 0.8 * contact.gap[pressed_hard]).all()
 
 
 def test_nothing_is_said_where_the_strain_changes_little() -> None:
