@@ -183,7 +183,7 @@ def test_given_lands_leak_as_those_that_were_solved(
     load = {} if chamber is None else {"chamber_pressure": [chamber]}
     problem = SealProblem.of(lands_case(INNER, OUTER | {"set_back": set_back}, **load))
     solved = case_loads(problem, evaluate(problem).loads)
-    file = write_profile_csv(SimpleNamespace(loads=solved), tmp_path / "profile.csv")
+    file = write_profile_csv(SimpleNamespace(loads=solved, problem=problem), tmp_path / "profile.csv")
     (given,) = leak_of_profiles(problem, read_profiles(file, problem.contact))
     assert given.leak.leak_rate == pytest.approx(solved[0].leak.leak_rate, rel=1e-3)
     assert np.array(given.leak.lands) == pytest.approx(np.array(solved[0].leak.lands), rel=1e-3, abs=1.0)
