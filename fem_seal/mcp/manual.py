@@ -138,10 +138,9 @@ def _all_entries() -> Iterator[Entry]:
         for name, entry in own_tables(file).items():
             if "says" in entry:
                 parts = (entry.get(part, "") for part in ("says", "remedy"))
-                title = entry.get("label", entry.get("key", name))
-                yield Entry(
-                    kind, _without_values(title), ". ".join(filter(None, map(_without_values, parts)))
-                )
+                title = _without_values(entry.get("label", entry.get("key", name)))
+                text = ". ".join(filter(None, map(_without_values, parts)))
+                yield Entry(kind, name if "…" in title else title, text)
     yield from (
         Entry("word", each["term"], each["meaning"]) for each in own_tables("words.toml")["definitions"]
     )

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 import anyio
 import anyio.to_thread
 from mcp.server.mcpserver import Context, Image, MCPServer
-from mcp.types import CallToolResult, TextContent
+from mcp.types import CallToolResult, TextContent, ToolAnnotations
 from pydantic import Field
 
 from fem_seal.errors import InputError
@@ -145,14 +145,19 @@ def server_of(worker: Worker) -> MCPServer:
     """
     server = MCPServer("fem-seal", version=__version__, instructions=_INSTRUCTIONS, log_level="WARNING")
     for name, tool in work.TOOLS.items():
-        server.add_tool(_asking(worker, name, tool), name, description=tool.__doc__)
+        # nothing is written over, whatever is asked
+        hints = ToolAnnotations(
+            read_only_hint=tool is work.check_case, destructive_hint=False, open_world_hint=False
+        )
+        server.add_tool(_asking(worker, name, tool), name, description=tool.__doc__, annotations=hints)
+    looks = ToolAnnotations(read_only_hint=True, open_world_hint=False)
 
-    @server.tool()
+    @server.tool(annotations=looks)
     def explain(kind: Literal["validity", "column", "key"], name: str) -> CallToolResult:
         """What a key of the case, a column of the results, or a reason under validity means."""
         return _looked_up(partial(manual.explain, kind, name), "check_case")
 
-    @server.tool()
+    @server.tool(annotations=looks)
     def search_manual(words: str) -> CallToolResult:
         """Keys, columns, findings, messages, templates, materials and fluids that fit some words."""
         return _looked_up(partial(manual.search, words), "explain")

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
 
-# Loads and designs with their numbers in an answer, warnings, designs of a study, and dots per inch of a picture.
-_ROWS, _WARNINGS, _DESIGNS, _DPI = 8, 6, 500, 90
+# Loads and designs with their numbers in an answer, warnings, files, designs of a study, dots per inch of a picture.
+_ROWS, _WARNINGS, _NAMES, _DESIGNS, _DPI = 8, 6, 50, 500, 90
 _CHECKED = ("touch_radius_m", "contact_angle_rad", "dimensions", "hardness_Pa", "rms_height_m", "rms_slope")
 
 
@@ -105,18 +105,25 @@ def new_case(
     entries: dict[str, str] | None = None,
     file: str = "",
 ) -> Reply:
-    """Begin a case: a commented case file from a template, or the list of templates."""
+    """Begin a case: a commented case file from a template, or the list of templates and of the folder's files."""
     from fem_seal.case import new_case as cases
 
     if not template:
         names = {name: cases.about(name) for name in cases.TEMPLATES}
-        return Reply({"templates": names, "next": _next("new_case", "with one of these templates")})
-    more = [f"{key}={value}" for key, value in (entries or {}).items()]
-    text, told = cases.with_options(cases.template(template), template, answers or {}, more)
+        there = sorted(path.name for path in folder.root.glob("*.toml"))[:_NAMES]
+        return Reply(
+            {"templates": names, "files": there, "next": _next("new_case", "with one of these templates")}
+        )
+    answers, entries = answers or {}, entries or {}
+    text = cases.template(template)
+    # before they are a case, of which the files are read
+    given = {f"answers.{name}": value for name, value in answers.items()} | entries
+    folder.tables("case", "", cases.with_entries(text, given))
+    more = [f"{key}={value}" for key, value in entries.items()]
+    text, told = cases.with_options(text, template, answers, more)
     # the first line names a schema for editors, which is not there
     text = text.partition("\n")[2].replace(" FILE", f" {file or 'CASE.toml'}")
-    folder.tables("case", "", text)
-    case = cases.read_text_case(text)
+    case, _ = folder.case("", text)
     place = folder.new(file, "file")
     says = {
         "says": f"{case.title}: {cases.about(template)}",

@@ -143,11 +143,14 @@ def test_the_tools_are_there_and_say_what_they_are_for(assistant):
     tools = {tool.name: tool for tool in assistant.portal.call(assistant.client.list_tools).tools}
     assert set(tools) == TOOLS
     assert all(tool.description for tool in tools.values())
+    harmless = {name for name, tool in tools.items() if tool.annotations.read_only_hint}
+    assert harmless == {"check_case", "explain", "search_manual"}
     assert "case_toml" in tools["run_case"].input_schema["properties"]
 
 
 def test_a_case_from_the_words_of_a_drawing(assistant):
-    assert "ball-valve" in assistant.ask("new_case")["templates"]
+    first = assistant.ask("new_case")
+    assert "ball-valve" in first["templates"] and "case.toml" in first["files"]
     made = assistant.ask(
         "new_case",
         template="ball-valve",
@@ -325,12 +328,21 @@ def test_a_study_outside_is_refused(assistant):
     assert "leads out" in assistant.refused("study", study_toml=f'base = "../outside/case.toml"\n{ANGLES}')
     (assistant.folder / "list.csv").write_text("seat.angle [deg],closure.file\n40,/etc/hostname\n")
     listed = 'base = "case.toml"\n[design]\nkind = "list"\nfile = "list.csv"\n'
-    assert "design.file" in assistant.refused("study", study_toml=listed)
+    assert "leads out" in assistant.refused("study", study_toml=listed)
     (assistant.folder / "bad.toml").write_text(OUTSIDE["the results"])
-    assert "output.folder" in assistant.refused("study", study_toml=f'base = "bad.toml"\n{ANGLES}')
+    assert "leads out" in assistant.refused("study", study_toml=f'base = "bad.toml"\n{ANGLES}')
     assert "leads out" in assistant.refused(
         "study", study_toml=ANGLES, case_toml=HARD, results_folder="away/study"
     )
+
+
+@pytest.mark.parametrize("given", ["answers", "entries"])
+def test_a_new_case_with_a_file_outside_is_refused(assistant, given):
+    name = {"answers": "seat-material", "entries": "seat.material"}[given]
+    value = '{ name = "steel", stress_strain = { file = "../outside/seat.csv" } }'
+    others = {"answers": {"class": "C"}, "entries": {}}
+    arguments = others | {given: others[given] | {name: value}}
+    assert "leads out" in assistant.refused("new_case", template="ball-valve", **arguments)
 
 
 def test_nothing_is_written_outside(assistant, places):
