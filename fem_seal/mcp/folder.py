@@ -11,16 +11,7 @@ from typing import Any
 
 from fem_seal.case.case import Case, load_case
 from fem_seal.errors import InputError
-from fem_seal.files import (
-    TomlError,
-    check_file,
-    parse_toml,
-    problem,
-    read_any_text,
-    read_text,
-    read_toml,
-    write_text,
-)
+from fem_seal.files import TomlError, parse_toml, problem, read_any_text, read_text, read_toml, write_text
 
 # Far beyond a case, a study, or a table that a person hands over; an answer repeats it.
 MOST_BYTES = 256 * 1024
@@ -95,15 +86,13 @@ class Folder:
             Of a file, or the text itself; one of them is empty.
         """
         path = self._one_of(kind, f"{kind}_toml", name, text)
-        if path is None:
-            try:
-                tables = parse_toml(text)
-            except TomlError as error:
-                raise InputError.at(f"{kind}_toml", str(error)) from None
-        else:
-            check_file(path, MOST_BYTES)
-            tables = read_toml(path, kind)
-            text = read_text(path, MOST_BYTES)
+        try:
+            tables = parse_toml(text) if path is None else read_toml(path, kind)
+        except TomlError as error:
+            raise InputError.at(f"{kind}_toml", str(error)) from None
+        if path is not None:
+            text = read_text(path)
+            _check_length(text, f"{kind}_path")
         beside = self.root if path is None else path.parent
         for key, entry in _texts(tables):
             self.inside(entry, key, beside)
@@ -142,9 +131,13 @@ class Folder:
     def _one_of(self, kind: str, other: str, name: str, text: str) -> Path | None:
         if bool(name) == bool(text):
             raise InputError(problem("mcp_one_of", key=f"{kind}_path", other=other, given=bool(name)))
-        if len(text.encode()) > MOST_BYTES:
-            raise InputError(problem("mcp_long", key=other, most=MOST_BYTES // 1024))
+        _check_length(text, other)
         return self.inside(name, f"{kind}_path") if name else None
+
+
+def _check_length(text: str, key: str) -> None:
+    if len(text.encode()) > MOST_BYTES:
+        raise InputError(problem("mcp_long", key=key, most=MOST_BYTES // 1024))
 
 
 def folder_at(path: Path) -> Folder:

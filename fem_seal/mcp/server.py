@@ -129,9 +129,8 @@ def _as_result(reply: Reply) -> CallToolResult:
 
 def _looked_up(look: Callable[[], list[manual.Entry]], after: str) -> CallToolResult:
     try:
-        return _as_result(
-            Reply({"found": [asdict(entry) for entry in look()], "next": {"tool": after, "why": "to use it"}})
-        )
+        found = [asdict(entry) for entry in look()]
+        return _as_result(Reply({"found": found, "next": {"tool": after, "why": "to use it"}}))
     except InputError as error:
         return _as_result(Reply({"refused": str(error)}, refused=True))
 
@@ -146,11 +145,9 @@ def server_of(worker: Worker) -> MCPServer:
     server = MCPServer("fem-seal", version=__version__, instructions=_INSTRUCTIONS, log_level="WARNING")
     for name, tool in work.TOOLS.items():
         # nothing is written over, whatever is asked
-        hints = ToolAnnotations(
-            read_only_hint=tool is work.check_case, destructive_hint=False, open_world_hint=False
-        )
+        hints = ToolAnnotations(read_only_hint=tool is work.check_case, destructive_hint=False)
         server.add_tool(_asking(worker, name, tool), name, description=tool.__doc__, annotations=hints)
-    looks = ToolAnnotations(read_only_hint=True, open_world_hint=False)
+    looks = ToolAnnotations(read_only_hint=True)
 
     @server.tool(annotations=looks)
     def explain(kind: Literal["validity", "column", "key"], name: str) -> CallToolResult:

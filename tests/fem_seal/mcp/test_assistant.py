@@ -358,7 +358,8 @@ def test_sizes_are_limited_and_one_case_is_meant(assistant):
     long = f"{HARD}# {'x' * MOST_BYTES}\n"
     assert "is longer than 256 kB" in assistant.refused("check_case", case_toml=long)
     (assistant.folder / "long.toml").write_text(long)
-    assert "larger than" in assistant.refused("check_case", case_path="long.toml")
+    assert "case_path: is longer than 256 kB" in assistant.refused("check_case", case_path="long.toml")
+    assert "none.toml: cannot be read" in assistant.refused("check_case", case_path="none.toml")
     assert "are both given" in assistant.refused("check_case", case_path="case.toml", case_toml=HARD)
     assert "is missing" in assistant.refused("run_case")
     assert "list of other files" in assistant.refused(
