@@ -15,7 +15,7 @@ PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 PROCESSES ?= $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)')
 PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest --numprocesses=$(PROCESSES) --dist=worksteal --durations=10
 
-.PHONY: run test test-all test-processors lint house check wheel docs pages html try benchmarks system clean
+.PHONY: run test test-all test-processors lint house check wheel locks sbom docs pages html try benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -53,9 +53,29 @@ house: $(VENV)/.tools
 check: lint test
 
 # What users install: the wheel in an environment of its own, which sees the dependencies of the first one but not the
-# checkout, and the example solved from there.
+# checkout, and the example solved from there. PYTHONS="python3.12 python3.13": in empty environments of these, too, with
+# all dependencies from the index, and the light installation from the source distribution.
 wheel: $(VENV)/.tools
-	@$(VENV)/bin/python tests/wheel.py
+	@$(VENV)/bin/python tests/wheel.py $(PYTHONS)
+
+# Versions of all packages for all systems, as the tests pass with them, and of those alone that `fem-seal run` needs.
+LOCK = $(VENV)/bin/python -m uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --no-header --no-annotate
+
+locks: $(VENV)/.tools
+	@$(PIP) uv
+	@$(LOCK) --upgrade --all-extras --output-file locks/all.txt
+	@$(LOCK) --excludes locks/left_out.txt --constraints locks/all.txt --output-file locks/light.txt
+
+# What an installation consists of, with versions and licences, as CycloneDX: dist/fem-seal.cdx.json.
+sbom: $(VENV)/bin/python
+	@rm -rf build/sbom && mkdir -p build/sbom dist
+	@$(VENV)/bin/python -m venv build/sbom/program && $(VENV)/bin/python -m venv build/sbom/tool
+	@build/sbom/program/bin/python -m pip install --quiet --disable-pip-version-check --constraint locks/all.txt .
+	@build/sbom/tool/bin/python -m pip install --quiet --disable-pip-version-check cyclonedx-bom
+	@build/sbom/tool/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible \
+		--output-file dist/fem-seal.cdx.json build/sbom/program/bin/python
+	@rm -rf build/sbom
+	@echo dist/fem-seal.cdx.json
 
 # The manual, docs/_build/html/index.html: first the pages that are calculated, then all of them as HTML.
 docs: pages

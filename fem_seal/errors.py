@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from leak.extras import say_absent
+
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
@@ -348,6 +350,8 @@ def error_text(error: Exception, display: Any = None) -> str:
         return " ".join(write(error, display).split())
     if isinstance(error, MemoryError):
         return "not enough memory"
+    if isinstance(error, ModuleNotFoundError) and (said := say_absent(error.name)):
+        return said
     name = type(error).__name__
     places = [
         frame

@@ -31,6 +31,10 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+# How processes begin that are no copies; on macOS the server of forks may crash in the system's own libraries.
+START = "forkserver" if sys.platform == "linux" else "spawn"
+
+
 class Processes:
     """Processes that calculate for this one: Ctrl-C is for this one alone, with which they end.
 
@@ -69,10 +73,8 @@ class Processes:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
-        # on macOS a copy may crash in the system's own libraries
-        method = "fork" if copies else "forkserver" if sys.platform == "linux" else "spawn"
         about = (memory, begin, arguments)
-        self._executor = ProcessPoolExecutor(count, get_context(method), _begin, about)
+        self._executor = ProcessPoolExecutor(count, get_context("fork" if copies else START), _begin, about)
         self._copies, self._preload = copies, preload
 
     def submit(self, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs) -> Future[T]:

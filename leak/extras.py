@@ -8,7 +8,7 @@ from importlib import util
 from pathlib import Path
 
 _NAME = "fem-seal"
-_EXTRA = re.compile(r"""^([\w.-]+).*;.*extra\s*==\s*["']([\w-]+)["']""")
+_EXTRA = re.compile(r"""^([\w.-]+)[^;]*(?:;.*extra\s*==\s*["']([\w-]+)["'])?""")
 # Packages that are imported under another name than they are installed.
 _IMPORT_NAMES = {"dask": "distributed"}
 # What brings all others for those who work on the program itself.
@@ -59,6 +59,25 @@ def extra_with(module: str | None) -> str:
     return next(extras, "")
 
 
+def say_absent(module: str | None) -> str:
+    """That a package which a light install leaves out is needed, as the end of a sentence; empty for any other module.
+
+    Parameters
+    ----------
+    module : str or None
+        As it is imported.
+
+    Examples
+    --------
+    >>> say_absent("json")
+    ''
+    """
+    name = (module or "").split(".")[0]
+    if name.lower() not in (package.lower() for package in _packages().get("", ())):
+        return ""
+    return f"needs {name}, which is not installed; install it with: {_pip_install()} {name}"
+
+
 def command(extra: str) -> str:
     """The command that installs an extra for this Python, from where the program itself was installed.
 
@@ -68,16 +87,19 @@ def command(extra: str) -> str:
     ----------
     extra : str
     """
-    python = f'"{sys.executable}"' if " " in sys.executable else sys.executable
-    pip = f"{python} -m pip install" if util.find_spec("pip") else f"uv pip install --python {python}"
-    source = _source()
+    pip, source = _pip_install(), _source()
     if source is None:
         return f'{pip} "{_NAME}[{extra}]", or in a checkout pip install ".[{extra}]" in the folder of {_NAME}'
     return f'{pip} "{source}[{extra}]"'
 
 
+def _pip_install() -> str:
+    python = f'"{sys.executable}"' if " " in sys.executable else sys.executable
+    return f"{python} -m pip install" if util.find_spec("pip") else f"uv pip install --python {python}"
+
+
 def _packages() -> dict[str, list[str]]:
-    """Names of the packages of each extra."""
+    """Names of the packages of each extra; those that the program always has belong to none."""
     # what reads it takes as long as a small command, and is used by nothing else
     from importlib import metadata
 
@@ -88,7 +110,7 @@ def _packages() -> dict[str, list[str]]:
         return packages
     for match in filter(None, map(_EXTRA.match, lines)):
         if match[2] not in _FOR_DEVELOPERS:
-            packages.setdefault(match[2], []).append(match[1])
+            packages.setdefault(match[2] or "", []).append(match[1])
     return packages
 
 

@@ -2,6 +2,9 @@
 
 The fresh environment borrows the dependencies of the interpreter that runs this script and nothing else: the editable
 install of the checkout is not seen there, so that a package or a template missing from the wheel is missed.
+
+`python tests/wheel.py python3.12 python3.13` also does it in empty environments of other interpreters, with everything
+from the index: the wheel with all dependencies, and the source distribution with those alone that a run needs.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import time
 import venv
 import zipfile
 from pathlib import Path
@@ -28,6 +32,33 @@ def main() -> None:
         complete(wheel, source)
         python = installed(wheel, place / "venv")
         run_example(python, place / "work")
+        for name in sys.argv[1:]:
+            from_index(name, source, place / Path(name).name)
+
+
+def from_index(name: str, source: Path, place: Path) -> None:
+    """Wheel and source distribution in environments of an interpreter that hold nothing else."""
+    maker = empty(name, place / "maker")
+    call(str(maker), "-m", "pip", "install", "--quiet", "build")
+    call(str(maker), "-m", "build", "--outdir", str(place / "dist"), str(source), quiet=True)
+    light = ["--no-deps", "--requirement", str(ROOT / "locks" / "light.txt")]
+    for kind, end, options in (("all dependencies", ".whl", []), ("a light installation", ".tar.gz", light)):
+        (distribution,) = (place / "dist").glob(f"*{end}")
+        python = empty(name, place / end)
+        start = time.monotonic()
+        call(str(python), "-m", "pip", "install", "--quiet", *options, str(distribution))
+        seconds = time.monotonic() - start
+        files = [path for path in (place / end).rglob("*") if path.is_file() and not path.is_symlink()]
+        size = sum(path.stat().st_size for path in files if "pip" not in path.parts) / 1e6
+        print(f"{Path(name).name}, {distribution.name}, {kind}: {size:.0f} MB in {seconds:.0f} s", flush=True)
+        run_example(python, place / f"work{end}")
+        shutil.rmtree(place / end)
+
+
+def empty(name: str, folder: Path) -> Path:
+    """Python of an environment without packages."""
+    call(name, "-m", "venv", str(folder))
+    return folder / "bin" / "python"
 
 
 def built(source: Path, folder: Path) -> Path:
@@ -97,8 +128,8 @@ def run_example(python: Path, folder: Path) -> None:
     print("the example runs from the wheel")
 
 
-def call(*command: str, cwd: Path | None = None) -> None:
-    subprocess.run(command, check=True, cwd=cwd, env=_clean())
+def call(*command: str, cwd: Path | None = None, quiet: bool = False) -> None:
+    subprocess.run(command, check=True, cwd=cwd, env=_clean(), stdout=subprocess.DEVNULL if quiet else None)
 
 
 def output(python: Path, *arguments: str, cwd: Path) -> str:

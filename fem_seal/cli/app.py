@@ -530,10 +530,12 @@ def _explain_error(error: Exception) -> tuple[int, str]:
     if is_own or isinstance(error, SealError):
         return OTHER_FAILURE, str(error)
     if isinstance(error, ImportError):
-        from leak.extras import extra_with, say_missing
+        from leak.extras import extra_with, say_absent, say_missing
 
         if extra := extra_with(error.name):
             return WRONG_INPUT, f"this {say_missing(extra, error)}"
+        if said := say_absent(error.name):
+            return WRONG_INPUT, f"this {said}"
     if isinstance(error, OSError):
         return OTHER_FAILURE, _system_message(error)
     return OTHER_FAILURE, defect_text(error)

@@ -10,7 +10,7 @@ import pytest
 from places import ROOT
 
 from leak import extras
-from leak.extras import command, extra_with, say_missing
+from leak.extras import command, extra_with, say_absent, say_missing
 
 
 class Installed:
@@ -63,6 +63,20 @@ def test_what_is_missing_is_named_and_only_that(monkeypatch):
 )
 def test_the_extra_that_brings_a_module(module, extra):
     assert extra_with(module) == extra
+
+
+def test_a_package_that_a_light_install_leaves_out_is_named():
+    from fem_seal.errors import error_text
+
+    for module in ("pandas", "pyvista.plotting", "matplotlib.figure"):
+        name = module.split(".")[0]
+        said = say_absent(module)
+        assert said.startswith(f"needs {name}, which is not installed; install it with: ")
+        assert said.endswith(f"install {name}") and error_text(ModuleNotFoundError(name=module)) == said
+    # of an extra another sentence is said, and what is no package of ours is a defect
+    for module in ("dash", "no_such_module", None):
+        assert say_absent(module) == ""
+    assert "a defect" in error_text(ModuleNotFoundError(name="no_such_module"))
 
 
 def test_the_command_installs_from_where_the_program_came(monkeypatch, tmp_path):

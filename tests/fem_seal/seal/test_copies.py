@@ -6,11 +6,18 @@ import sys
 import time
 from multiprocessing import active_children
 from threading import Thread
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
+from sample_results import rough_result
 
+from fem_seal import processes
+from fem_seal.answers.uncertainty import leak_interval
+from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.errors import ConvergenceError
-from fem_seal.processes import can_copy, fork_map, usable_cores
+from fem_seal.processes import Processes, can_copy, fork_map, usable_cores
+from leak import hertz_line
 from meshes.gmsh_session import gmsh_session
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no copies there")
@@ -71,6 +78,34 @@ def test_no_copies_beside_threads_or_in_a_process_that_was_started():
     thread.join()
     assert found == [False]
     assert fork_map(lambda _: can_copy(), range(2), 2)[1] is False
+
+
+def test_where_nothing_can_be_copied_an_interval_is_the_same_to_the_last_bit(monkeypatch):
+    in_copies = Mock(side_effect=processes._in_copies)
+    monkeypatch.setattr(processes, "_in_copies", in_copies)
+    monkeypatch.setattr(processes, "usable_cores", lambda: 2)
+    about = Uncertainty(samples=64, youngs_modulus=Spread(relative=0.1))
+    found = {}
+    for copies in (True, False):
+        monkeypatch.setattr(processes, "can_copy", lambda copies=copies: copies)
+        found[copies] = leak_interval(rough_result(), about)
+        assert in_copies.called is copies
+        in_copies.reset_mock()
+    assert np.ptp(found[True].leak_rate) > 0
+    assert np.array_equal(found[True].leak_rate, found[False].leak_rate)
+
+
+def test_processes_are_started_as_on_windows_and_macos(monkeypatch):
+    monkeypatch.setattr(processes, "START", "spawn")
+    with Processes(1) as others:
+        # started by this process, and no copy of it
+        assert others.submit(os.getppid).result(timeout=120) == HERE
+        assert (
+            others.submit(eval, "'sample_results' in __import__('sys').modules").result(timeout=120) is False
+        )
+        assert others.submit(can_copy).result(timeout=120) is False
+        # as it would be calculated here, to the last bit
+        assert others.submit(hertz_line, 1e4, 1e11, 0.02).result(timeout=120) == hertz_line(1e4, 1e11, 0.02)
 
 
 def test_copies_beside_the_wheel_that_turns_on_a_terminal():

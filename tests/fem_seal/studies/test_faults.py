@@ -453,6 +453,15 @@ def test_a_worker_on_another_machine_need_not_have_what_it_does_not_read(tmp_pat
 
 
 @pytest.mark.slow
+def test_workers_that_are_started_as_on_windows_calculate_the_same(tmp_path, monkeypatch):
+    plan = study(run={}, responses=["line_load_N_per_m", "peak_pressure_Pa", "leak_rate_m3_per_s"])
+    monkeypatch.setattr("fem_seal.processes.START", "spawn")
+    tables = [run_study(plan, folder=tmp_path / str(n), workers=n).table for n in (0, 2)]
+    here, there = (table.drop(columns="seconds", errors="ignore") for table in tables)
+    pd.testing.assert_frame_equal(here, there, check_exact=True)
+
+
+@pytest.mark.slow
 def test_workers_notice_an_edited_file_too(tmp_path):
     from fem_seal.studies.machine import LocalWorkers
     from fem_seal.studies.work import DesignSpec, chunks
