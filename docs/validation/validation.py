@@ -14,8 +14,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from validation_page import Experiment, Prediction, page, verdict
+from validation_page import Experiment, Prediction, judged, page, verdict
+from validation_pictures import draw_curve, draw_verdicts
 
+import fem_seal
 from fem_seal import Case, InputError
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.problem import SealProblem
@@ -55,7 +57,7 @@ def predict(experiment: Experiment, theory: str) -> list[Prediction]:
     theory : {"paper", "corrected", "turned"}
         One of its own.
     """
-    values = [Expression(one.value) for one in experiment.observed]
+    values = [Expression(one.value) for one in experiment.observed if one.value]
     found: list[list[float]] = [[] for _ in values]
     refused = ""
     for corner in experiment.corners():
@@ -63,13 +65,33 @@ def predict(experiment: Experiment, theory: str) -> list[Prediction]:
             of_rough = {"leak.theory": theory} if theory != "turned" else {}
             case = Case(**experiment.case).replace({**corner, **of_rough})
         except InputError as error:
-            return [Prediction(None, None, f"this version cannot read the case: {error}") for _ in values]
+            refused = f"this version cannot read the case: {error}"
+            return [Prediction(None, None, refused) for _ in experiment.observed]
         readings, reasons = _numbers(case, values, experiment.surface_only)
         refused = refused or (f"outside the theory with {_told(corner)}: {reasons}" if reasons else "")
         for numbers in readings:
             for one, value in zip(found, values, strict=True):
                 one.append(value(numbers))
-    return [Prediction(*_ends(one), refused) for one in found]
+    each = iter(found)
+    return [
+        Prediction(*(_ends(next(each)) if one.value else (None, None)), refused)
+        for one in experiment.observed
+    ]
+
+
+def curve(experiment: Experiment) -> list[list[tuple[float, float]]]:
+    """Least and largest leak rate of each line of the curve at each pressure [m^3/s]; no lines without a curve."""
+    found = []
+    for line in experiment.curve.lines if experiment.curve else ():
+        rates = []
+        for corner in experiment.corners_of(line):
+            changes = {**corner, "leak.theory": line.theory, "load.applied_force": "0 N"}
+            case = Case(**experiment.case).replace(
+                {**changes, "load.fluid_pressure": list(experiment.curve.fluid_pressure)}
+            )
+            rates.append([load.leak.leak_rate for load in fem_seal.run(case).loads])
+        found.append([(min(each), max(each)) for each in zip(*rates, strict=True)])
+    return found
 
 
 def _ends(numbers: Sequence[float]) -> tuple[float | None, float | None]:
@@ -131,11 +153,24 @@ def stored() -> dict[str, dict[str, Any]]:
 
 def rendered(known: dict[str, dict[str, Any]]) -> str:
     """The page from stored predictions."""
-    predictions = {
+    curves = {name: entry["curve"] for name, entry in known.items() if "curve" in entry}
+    return page([read(path) for path in files()], _predictions(known), curves)
+
+
+def draw(known: dict[str, dict[str, Any]]) -> None:
+    """The pictures of the page from stored predictions."""
+    experiments, images = [read(path) for path in files()], FILE.parents[1] / "images"
+    draw_verdicts(judged(experiments, _predictions(known)), images / "validation.svg")
+    for one in experiments:
+        if one.curve is not None:
+            draw_curve(one.curve, known[one.name]["curve"], images / "validation_curve.svg")
+
+
+def _predictions(known: dict[str, dict[str, Any]]) -> dict[str, dict[str, list[Prediction]]]:
+    return {
         name: {theory: [Prediction(**one) for one in each] for theory, each in entry["predictions"].items()}
         for name, entry in known.items()
     }
-    return page([read(path) for path in files()], predictions)
 
 
 def update(everything: bool) -> None:
@@ -156,10 +191,13 @@ def update(everything: bool) -> None:
                 for theory in experiment.theories
             }
             entry = {"sha256": digest(path), "predictions": found}
+            if experiment.curve is not None:
+                entry["curve"] = curve(experiment)
         fresh[path.name] = entry
         PREDICTIONS.write_text(json.dumps({**known, **fresh}, indent=1) + "\n", encoding="utf-8")
     PREDICTIONS.write_text(json.dumps(fresh, indent=1) + "\n", encoding="utf-8")
     FILE.write_text(rendered(fresh), encoding="utf-8")
+    draw(fresh)
 
 
 def show(path: Path) -> None:
@@ -168,7 +206,7 @@ def show(path: Path) -> None:
     print(experiment.title)
     for theory in experiment.theories:
         for observed, prediction in zip(experiment.observed, predict(experiment, theory), strict=True):
-            word, why = verdict(observed, prediction)
+            word, why = verdict(observed, prediction, theory)
             ends = f"{prediction.low} to {prediction.high}"
             print(f"  {observed.what}, {theory} theory: predicted {ends}; {word}: {why}")
 
