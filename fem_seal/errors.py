@@ -198,7 +198,7 @@ class InputError(SealError, ValueError):
 
     def __init__(self, *problems: Problem, file: str | Path | None = None) -> None:
         self.problems = problems
-        self.file = None if file is None else Path(file)
+        self.file: Path | None = None if file is None else Path(file)
         super().__init__(*problems)
 
     @classmethod

@@ -384,10 +384,10 @@ def run(
     Returns
     -------
     SealResult
-        Loads that cannot be calculated - they open the seal, are more than the faces or a body that yields carry, or
-        do not converge - are not among its `loads`; a row of its table without numbers and a warning say why. What
-        comes after contact and leak and fails is told in a warning: stress, error estimate, answers, variants,
-        interval.
+        In SI units: pressures [Pa], gaps [m], leak rates [m^3/s]. Loads that cannot be calculated - they open the seal,
+        are more than the faces or a body that yields carry, or do not converge - are not among its `loads`; a row of
+        its table without numbers and a warning say why. What comes after contact and leak and fails is told in a
+        warning: stress, error estimate, answers, variants, interval.
 
     Raises
     ------

@@ -47,6 +47,11 @@ def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
         `Ball`, `ConicalSeat` and the other shapes of this package, or anything with an `outline`.
     sizing : Sizing
 
+    Returns
+    -------
+    SealMesh
+        In the plane of radius and height [m].
+
     Raises
     ------
     GeometryError
@@ -77,6 +82,11 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
     sizing : Sizing
     known : SealMesh, optional
         Of another seal, from which a body that is the same and would be meshed the same is taken.
+
+    Returns
+    -------
+    SealMesh
+        In the plane of radius and height [m].
 
     Raises
     ------

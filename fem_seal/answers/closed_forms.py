@@ -132,8 +132,9 @@ def derive(case: CaseSource) -> ClosedForms:
     Returns
     -------
     ClosedForms
-        With law "spectrum" an exponential stands for the law: that of the elastic spectrum at low pressure or, of
-        the corrected theory, at each load the one that touches the law at the peak pressure.
+        Radii [m], pressures [Pa], forces [N]. With law "spectrum" an exponential stands for the law: that of the
+        elastic spectrum at low pressure or, of the corrected theory, at each load the one that touches the law at the
+        peak pressure.
 
     Examples
     --------

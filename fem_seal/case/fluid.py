@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -58,7 +58,7 @@ class Particles(Table):
 class Fluid(Table):
     """[fluid]: the liquid or gas that leaks, from the library by name, or a liquid by its viscosity."""
 
-    model_config = ConfigDict(
+    model_config: ClassVar[ConfigDict] = ConfigDict(
         json_schema_extra=lambda schema: schema.update(
             anyOf=[{"required": ["name"]}, {"required": ["viscosity"]}], required=[]
         )

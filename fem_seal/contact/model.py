@@ -263,6 +263,11 @@ def condense(
     known : ContactModel, optional
         Of the same seal with another seat or support: a body that is the same, mesh and all, is not factorised anew.
 
+    Returns
+    -------
+    ContactModel
+        Compliance [m/N] at the points of the contact line, shape (m, m).
+
     Raises
     ------
     ValueError

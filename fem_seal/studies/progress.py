@@ -16,7 +16,10 @@ _PAUSE = 10.0
 class Progress:
     """What a running study tells; this one says nothing."""
 
-    total = done_count = failed_count = done_before = 0
+    total: int = 0
+    done_count: int = 0
+    failed_count: int = 0
+    done_before: int = 0
     """Designs of the study; those that are done, those of them that failed in this run, and those done before it."""
     _start = 0.0
 

@@ -58,7 +58,7 @@ class StudyResult:
     """
 
     def __init__(self, folder: str | Path, *, temporary: bool = False) -> None:
-        self.folder = Path(folder)
+        self.folder: Path = Path(folder)
         open_to_read(self.folder / FILE).close()
         if temporary:
             weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)

@@ -159,7 +159,7 @@ def streams(gap: FloatArray, flow: Flow) -> Streams:
     Parameters
     ----------
     gap : ndarray, shape (n, m)
-        Of which `flow` is.
+        Of which `flow` is [m].
     flow : Flow
     """
     if flow.gap_cubed == 0.0:

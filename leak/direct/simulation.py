@@ -242,7 +242,7 @@ def grid_study(
     Returns
     -------
     list of DirectResult
-        One for each grid.
+        One for each grid: gaps [m], conductivities [m^3].
 
     Examples
     --------
@@ -315,7 +315,8 @@ def size_study(
     Returns
     -------
     list of DirectResult
-        One for each size; they are other samples, so that their scatter is part of what differs.
+        One for each size, gaps [m] and conductivities [m^3]; they are other samples, so that their scatter is part of
+        what differs.
 
     Examples
     --------

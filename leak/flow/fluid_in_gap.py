@@ -75,7 +75,7 @@ def coupled_leak_flow(
     Parameters
     ----------
     x, p, conductivity, pressure_drop, radius, pressure_side, ends, pressure_law
-        See `leak.leak_flow`; p is the total nominal pressure, asperities and fluid together.
+        See `leak.leak_flow`; p is the total nominal pressure [Pa], asperities and fluid together.
 
     Returns
     -------

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, cast, runtime_checkable
+from typing import ClassVar, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -97,7 +97,7 @@ class LiquidPermeant:
     # whether the gain depends on the fluid pressure, so that both are found in turn
     sweeps = False
     # flow over sigma, the gain and the slope of the potential
-    per_potential = 1.0
+    per_potential: ClassVar[float] = 1.0
 
     @classmethod
     def of(

@@ -316,7 +316,8 @@ def gas_scratch_flow(
     Returns
     -------
     LeakBounds
-        Of `GasLeakResult`. Without a surface the Knudsen number is that of the deepest scratch.
+        Of `GasLeakResult`, mass flow [kg/s] and leak rate [m^3/s]. Without a surface the Knudsen number is that of the
+        deepest scratch.
 
     Raises
     ------

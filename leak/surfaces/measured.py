@@ -113,6 +113,11 @@ def measure(
     settings : ScanSettings, optional
         Tilt removed, Hann window, cut, unless given.
 
+    Returns
+    -------
+    MeasuredSurface
+        C [m^4] over the wavenumber [1/m], heights [m].
+
     Raises
     ------
     ScanError

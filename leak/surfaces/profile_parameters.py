@@ -158,7 +158,7 @@ def expected_roughness(spectrum: PowerSpectrum, band: ProfileFilter) -> Expected
     Parameters
     ----------
     spectrum : PowerSpectrum
-        C of the surface.
+        C of the surface [m^4].
     band : ProfileFilter
 
     Examples

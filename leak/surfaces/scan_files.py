@@ -34,6 +34,11 @@ def read_topography(path: str | PathLike[str], *, unit: Unit | None = None) -> T
         Unit of length of x and height ("um"), or of each (("mm", "um")), where the file states none; a unit that
         contradicts the file is refused.
 
+    Returns
+    -------
+    LineScan or HeightMap
+        Positions and heights [m].
+
     Raises
     ------
     ScanError

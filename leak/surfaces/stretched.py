@@ -112,7 +112,7 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
     Parameters
     ----------
     along, across : PowerSpectrum
-        From scans along the flow (x, across the seat's face) and across it (along the circumference).
+        From scans along the flow (x, across the seat's face) and across it (along the circumference) [m^4].
 
     Returns
     -------

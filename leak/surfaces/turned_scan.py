@@ -118,6 +118,11 @@ def recognise_texture(
     settings : ScanSettings, optional
         Of the fine roughness, see `measure`.
 
+    Returns
+    -------
+    TurnedScan or None
+        Feed, nose radius and height of the crests [m].
+
     Raises
     ------
     ScanError

@@ -51,7 +51,10 @@ class Reading(StrEnum):
     """Nothing yields."""
 
 
-READINGS = {"paper": (Reading.CONSERVED, Reading.CAPPED), "corrected": (Reading.VON_MISES,)}
+READINGS: dict[str, tuple[Reading, ...]] = {
+    "paper": (Reading.CONSERVED, Reading.CAPPED),
+    "corrected": (Reading.VON_MISES,),
+}
 """Those of each theory, its default first."""
 
 

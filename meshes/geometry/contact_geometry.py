@@ -53,8 +53,8 @@ def first_touch(closure: Curve, seat: Curve, labels: tuple[str, str] = ("closure
     Returns
     -------
     Touch
-        Faces that touch along a whole stretch (two cones of the same angle) touch first in its middle; of several
-        circles that touch at once the innermost counts.
+        Its radius and the way there [m]. Faces that touch along a whole stretch (two cones of the same angle) touch
+        first in its middle; of several circles that touch at once the innermost counts.
 
     Raises
     ------

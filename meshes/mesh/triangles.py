@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -38,7 +38,9 @@ class Triangles(MeshTri):
     """scikit-fem's triangles, whose edges are found among whole numbers: a tenth of the time."""
 
     @staticmethod
-    def build_entities(t, indices, sort=True):  # type: ignore[no-untyped-def]
+    def build_entities(
+        t: IntArray, indices: Sequence[Sequence[int]], sort: bool = True
+    ) -> tuple[IntArray, IntArray]:
         """Vertices of all edges, sorted, and the edges of every triangle; as scikit-fem numbers them."""
         ends = np.sort(np.hstack([t[pair] for pair in indices]), axis=0)
         stride = np.int64(ends.max(initial=0)) + 1

@@ -55,6 +55,21 @@ def test_importing_the_package_loads_nothing_heavy(package):
     assert done.stdout.strip() == "[]"
 
 
+def test_public_functions_say_their_units_and_show_an_example():
+    functions = {
+        f"{package.__name__}.{name}": inspect.getdoc(getattr(package, name))
+        for package in (fem_seal, fem_seal.contact, leak, leak.direct, meshes)
+        for name in package.__all__
+        if inspect.isfunction(getattr(package, name))
+    }
+    assert len(functions) > 100
+    without_unit = [name for name, text in functions.items() if not re.search(r"\[[^\]\d][^\]]*\]", text)]
+    without_example = [name for name, text in functions.items() if ">>>" not in text]
+    # whether a fluid is a gas has no unit
+    assert len(without_unit) <= 0.1 * len(functions), without_unit
+    assert len(without_example) <= 0.1 * len(functions), without_example
+
+
 # The type checker reads the packages as in a user's script; the stubs of these libraries would take it half a minute.
 LEAN = """
 [mypy]
