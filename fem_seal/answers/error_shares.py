@@ -25,7 +25,11 @@ from fem_seal.answers.measurements import (
 from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
+from fem_seal.errors import SealError
 from fem_seal.seal.findings import Bounds, Validity
+from fem_seal.seal.load_result import highest_load
+from fem_seal.seal.load_solver import LoadSolver
+from leak import LeakError
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,22 @@ class AfterProfiles:
 
 
 @dataclass(frozen=True)
+class EarlierLoad:
+    """What a larger load before would leave, told of a case that says nothing of its history.
+
+    Parameters
+    ----------
+    force : float
+        With which it would have pressed, twice that of this load [N].
+    share : float
+        Leak rate after it over that on new faces [-].
+    """
+
+    force: float
+    share: float
+
+
+@dataclass(frozen=True)
 class ErrorShares:
     """Shares in the width of the logarithm of an interval; empty where an end is zero or infinite.
 
@@ -78,6 +98,8 @@ class ErrorShares:
         What would be left if each face with a drawing's finish were measured; None where there is none.
     measurements : sequence of Measurement
         What would narrow the interval, and to which factor, the narrowest first; empty without uncertain inputs.
+    earlier_load : EarlierLoad or None
+        Of the highest load of faces that yield.
     """
 
     of_width: Mapping[str, float] = field(default_factory=dict)
@@ -85,6 +107,18 @@ class ErrorShares:
     left: Mapping[str, float] = field(default_factory=dict)
     by_profiles: AfterProfiles | None = None
     measurements: Sequence[Measurement] = ()
+    earlier_load: EarlierLoad | None = None
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """Shares of "inputs" as given or as a test has left them, "theory" against simulation, and other "doubts"."""
+        found = dict.fromkeys(("inputs", "theory", "doubts") if self.of_width else (), 0.0)
+        for name, share in self.of_width.items():
+            part = (
+                "doubts" if name.startswith(ACCURACY_OF) else "theory" if name in _BY_SIMULATION else "inputs"
+            )
+            found[part] += share
+        return found
 
     @property
     def is_telling(self) -> bool:
@@ -92,9 +126,15 @@ class ErrorShares:
         return len(self.of_width) > 1 or bool(self.measurements) or self.by_profiles is not None
 
 
-_JOINT_INPUTS, _BY_TEST = "inputs together", "left by test"
+_JOINT_INPUTS, _BY_TEST, ACCURACY_OF = "inputs together", "left by test", "accuracy: "
+_BY_SIMULATION = {
+    *("gap law", "few waves", "yielding", "bulk flow", "turned crests", "fine roughness"),
+    *("readings", "simulation"),
+}
 # Of the range of a finish.
 _PLACES = 200
+# A proof load, or a hand that closes firmly, over the load.
+_HARDER = 2.0
 
 
 @dataclass(frozen=True)
@@ -262,7 +302,7 @@ def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> 
         return ErrorShares()
     total_width = math.log(ends.high / ends.low)
     widths = {
-        f"accuracy: {caution.kind}": math.log(factors.high / factors.low)
+        f"{ACCURACY_OF}{caution.kind}": math.log(factors.high / factors.low)
         for caution in load.leak_validity.cautions
         if caution.kind != "theory" and (factors := Validity.of([caution]).leak_factor).is_range
     }
@@ -308,10 +348,44 @@ def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
     return {name: share * variance for name, share in shares.items()} | {_JOINT_INPUTS: remainder * variance}
 
 
+def _with_earlier_load(
+    shares: tuple[ErrorShares, ...], seal: SolvedSeal, solver: LoadSolver | None
+) -> tuple[ErrorShares, ...]:
+    """The shares with what a load before that pressed twice as hard as the highest one leaves of its leak rate.
+
+    Of round seals on new faces that yield, whose bodies are elastic and whose flow is no simulation: it takes no time.
+    """
+    number, problem = highest_load(seal.loads), seal.problem
+    load = seal.loads[number]
+    if (
+        solver is None
+        or problem.surface is None
+        or problem.surface.hardness is None
+        or problem.loads.earlier is not None
+        or problem.loads.unsolved_bolts is not None
+        or problem.follows_path
+        or load.is_simulated
+        or len(load.contacts) > 1
+        or load.leak is None
+        or not load.leak.leak_rate > 0.0
+    ):
+        return shares
+    force = _HARDER * load.contact_force
+    try:
+        after = replace(load, contact=load.contact.after(solver.solve(0.0, force))).leak
+    except (SealError, LeakError):
+        return shares  # nobody asked for that load
+    assert after is not None  # of a load that leaks
+    earlier_load = EarlierLoad(force, after.leak_rate / load.leak.leak_rate)
+    return tuple(replace(x, earlier_load=earlier_load) if n == number else x for n, x in enumerate(shares))
+
+
 ERROR_SHARES = Answer[tuple[ErrorShares, ...]](
     "error_shares",
     "what makes the interval of the leak rates",
-    lambda seal, request: all_error_shares(seal, UNCERTAINTY.of(request.answers)),
+    lambda seal, request: _with_earlier_load(
+        all_error_shares(seal, UNCERTAINTY.of(request.answers)), seal, request.solver
+    ),
     (),
     # the ends of the preload of bolts have no share, nor has one of two different faces
     lambda seal, request: (

@@ -27,6 +27,9 @@ from fem_seal.seal.scenarios import FIRST_LOADING, SCENARIOS
 _SHARES, _OVERLOAD = (0.25, 0.5, 1.0), 2.0
 _ANSWERS = (ACCURACY, OPENING, OWN_CONTACTS, FINDINGS, UNCERTAINTY)
 
+QUESTIONS = ("new", "again", "held", "pressed", "gas")
+"""What a reading is asked for: new faces, closed again, held for an hour, pressed harder before, another gas."""
+
 
 @dataclass(frozen=True)
 class PlannedReading:
@@ -35,8 +38,7 @@ class PlannedReading:
     Parameters
     ----------
     question : str
-        What it is asked for: on "new" faces, closed "again", "held" for an hour, "pressed" harder before, with another
-        "gas".
+        One of `QUESTIONS`.
     case : Case
         With its fluid.
     load : CaseLoad

@@ -417,7 +417,7 @@ def show_answers(result: SealSolution) -> None:
     """
     from fem_seal.output.answer_outputs import pages_of
 
-    tell(*(line for page in pages_of(result) for line in page.details))
+    tell(*(line for page in pages_of(result) for line in (*page.details, *page.backing)))
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:

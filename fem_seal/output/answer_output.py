@@ -126,6 +126,8 @@ class AnswerPage:
         What decides the result or would change it, at most one.
     picture : str
         Name of the picture that may stand on the short page.
+    backing : sequence of str
+        What backs the interval, below the warnings.
     section : Section, optional
         On the full page.
     details : sequence of str
@@ -137,6 +139,7 @@ class AnswerPage:
     why: Sequence[str] = ()
     decides: Sequence[str] = ()
     picture: str = ""
+    backing: Sequence[str] = ()
     section: Section | None = None
     details: Sequence[str] = ()
 

@@ -151,8 +151,9 @@ def summary(result: SealSolution, *, all_columns: bool = False) -> dict[str, Any
         sensitivities, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
         load that leaks), ``theories`` (result of the other theory, and why it differs) and ``interface_variants``,
         which are null where they are not calculated,
-        ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load,
-        and the factor that a measurement is expected to leave),
+        ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load by
+        source and, as ``parts``, of inputs, theory and doubts; what is ``not_measured`` and in no interval; what an
+        ``earlier_load`` twice as high leaves; the factor that a measurement is expected to leave),
         ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case

@@ -120,18 +120,16 @@ def protocol(plan: LeakTestPlan, case_file: str) -> str:
             )
         )
     last = {reading.question: reading for reading in plan.readings}
-    words: Any = environment(display).get_template("answers/testplan.j2").module
-    return str(
-        words.protocol(
-            title=plan.case.title,
-            version=__version__,
-            sentences=list(lines(plan)),
-            rows=rows,
-            steps=[
-                say(display, "testplan", f"step_{name}", force=one.largest_earlier_force, fluid=one.fluid)
-                for name, one in last.items()
-            ],
-            least=display.leak_range(min((low for low, _ in intervals if low > 0.0), default=0.0), 1),
-            case_file=case_file,
-        )
+    page = environment(display).get_template("testplan.md.j2")
+    return page.render(
+        title=plan.case.title,
+        version=__version__,
+        sentences=list(lines(plan)),
+        rows=rows,
+        steps=[
+            say(display, "testplan", f"step_{name}", force=one.largest_earlier_force, fluid=one.fluid)
+            for name, one in last.items()
+        ],
+        least=display.leak_range(min((low for low, _ in intervals if low > 0.0), default=0.0), 1),
+        case_file=case_file,
     )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from operator import itemgetter
+from typing import Any
 
 from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
@@ -97,6 +98,36 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
     return say(display, "error_shares", "interval_measure", what=what, left=left, now=sources.factor, at=at)
 
 
+def backing_in_brief(result: SealSolution) -> list[str]:
+    """What the interval of the highest load is made of and what it leaves out, and what a larger load before would do.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load, display = result.highest, result.display
+    if not load.has_interval or load.validity.outside_theory:
+        return []
+    sources = _of_load(result, result.loads.index(load))
+    given = {"at": load_name(load, result.loads, display), "tested": load.after_test}
+    parts = {} if sources is None else sources.parts
+    left_out = _not_measured(result)
+    lines = [
+        *filter(None, [say(display, "error_shares", "backing", parts=parts, left_out=left_out, **given)])
+    ]
+    if sources is not None and sources.earlier_load is not None:
+        earlier = sources.earlier_load
+        lines.append(say(display, "error_shares", "backing_earlier", earlier=earlier, **given))
+    return lines
+
+
+def _not_measured(result: SealSolution) -> list[str]:
+    """What changes leak rates and is in no interval, as far as the case says nothing of it."""
+    case, names = result.case, ["sliding on closing", "texture"]
+    names += ["particles"] * (case.fluid is None or case.fluid.particles is None)
+    return ["earlier loads"] * (case.load.earlier is None) + names
+
+
 def _of_load(result: SealSolution, number: int) -> ErrorShares | None:
     return result.error_shares[number] if number < len(result.error_shares) else None
 
@@ -171,11 +202,18 @@ def _page(result: SealSolution) -> AnswerPage:
     return AnswerPage(tiles=tiles, decides=decides, section=section, details=decides)
 
 
+def _summary(result: SealSolution) -> dict[str, Any]:
+    left_out = _not_measured(result)
+    shares = result.error_shares
+    return {"error_shares": [{**asdict(one), "parts": one.parts, "not_measured": left_out} for one in shares]}
+
+
 OUTPUT = AnswerOutput(
-    lambda result: result.error_shares,
-    summary=lambda result: {"error_shares": [asdict(shares) for shares in result.error_shares]},
+    lambda result: result.highest.leak is not None,
+    summary=_summary,
     absent={"error_shares": []},
-    page=lambda result, display: (
-        _page(result) if any(shares.is_telling for shares in result.error_shares) else AnswerPage()
+    page=lambda result, display: replace(
+        _page(result) if any(shares.is_telling for shares in result.error_shares) else AnswerPage(),
+        backing=backing_in_brief(result),
     ),
 )

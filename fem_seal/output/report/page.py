@@ -322,6 +322,7 @@ def _words(result: SealSolution, *, full: bool) -> dict[str, Any]:
         "brief_caption": "; ".join(filter(None, (allowed, *marks_of(result.loads), more))),
         "why": why,
         "decides": [line for line in decides if line not in lines],
+        "backing": [line for page in pages for line in page.backing],
         "sections": [page.section for page in pages if page.section] if full else (),
         "warnings": list(brief.remarks_in_brief(result).items()),
         "given": brief.given_in_words(result),

@@ -16,6 +16,7 @@ from sample_results import case, rough_result, single_result, smooth_result
 
 import fem_seal
 from fem_seal.answers.judgement import VerdictReason
+from fem_seal.answers.testplan import QUESTIONS
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.answer_output import prose
@@ -261,7 +262,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     elsewhere |= {
         f"{what}_{also}" for what in ("inputs", "finish", "mixed", "tested") for also in ("own", "both")
     }
-    elsewhere |= set(VerdictReason)
+    elsewhere |= {*VerdictReason, *QUESTIONS}
     elsewhere = {re.sub(r"\W", "_", part) for part in elsewhere}
     used = set()
     for file in {*(package / "templates/answers").glob("*.j2")} - {package / "templates/answers/citation.j2"}:
