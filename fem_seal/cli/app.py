@@ -154,6 +154,7 @@ def run(
     output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
     sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
     full: terminal.Full = False,
+    report: Annotated[bool, terminal.option("run", "report")] = True,
     details: terminal.Details = False,
     all_columns: terminal.AllColumns = False,
     quiet: terminal.Quiet = False,
@@ -171,7 +172,7 @@ def run(
             case, progress=progress, sensitivities=sensitivities, full=full or all_columns
         )
         progress("writing results")
-        failures = files.write(result, folder, all_columns=all_columns, full=full)
+        failures = files.write(result, folder, all_columns=all_columns, full=full, with_report=report)
     _show(result, folder, failures, details=details, all_columns=all_columns, quiet=quiet, json=json)
 
 
@@ -198,7 +199,7 @@ def _show(
         terminal.tell(*given_in_words(result))
     terminal.warn(
         (*(result.warnings if details else remarks_in_brief(result)), *failures),
-        "" if details else "report.html",
+        "" if details else "report.html" if (folder / "report.html").exists() else "summary.json",
     )
     if not (json or quiet):
         terminal.say_where(folder)

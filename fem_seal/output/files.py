@@ -39,7 +39,12 @@ from fem_seal.version import __version__
 
 
 def write(
-    result: SealSolution, folder: Path, *, full: bool = False, all_columns: bool = False
+    result: SealSolution,
+    folder: Path,
+    *,
+    full: bool = False,
+    all_columns: bool = False,
+    with_report: bool = True,
 ) -> tuple[str, ...]:
     """Write tables, summary, VTK files, mesh and report into a folder.
 
@@ -55,6 +60,8 @@ def write(
         Whether the report has all numbers, pictures and tables.
     all_columns : bool
         Whether leak.csv and summary.json have all columns, also those that do not belong to the case.
+    with_report : bool
+        Whether report.html is among the files.
 
     Returns
     -------
@@ -77,7 +84,7 @@ def write(
         }
         # given contacts have neither mesh nor fields, but for maps
         files = _FILES if not result.of_profile else {"map": write_map} if map_of(result.loads[0]) else {}
-        for name, write_one in (files | reports).items():
+        for name, write_one in (files | reports if with_report else files).items():
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
         answer_tables = {

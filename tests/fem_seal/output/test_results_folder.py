@@ -6,6 +6,7 @@ import gc
 import json
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
@@ -58,6 +59,36 @@ def test_the_second_run_leaves_nothing_of_the_first(two_runs):
     assert UNFINISHED not in after
     told = json.loads(after["summary.json"])["input"]["output"]["folder"]
     assert told == str(two_runs[1].absolute())
+
+
+def test_a_report_that_nobody_wants_yet_is_drawn_later(tmp_path, capsys):
+    case = tmp_path / "case.toml"
+    case.write_text(SMOOTH, encoding="utf-8")
+    words, pages = ["run", str(case), "-o", str(tmp_path / "out")], {}
+    assert main(words) == 0
+    pages["at once"] = page_of(tmp_path / "out")
+    assert "report.html" in capsys.readouterr().out
+    # nor does that of the run before stay
+    assert main([*words, "--no-report"]) == 0
+    assert not (tmp_path / "out" / "report.html").exists() and "report.html" not in capsys.readouterr().out
+    assert main(["report", str(tmp_path / "out")]) == 0
+    pages["later"] = page_of(tmp_path / "out")
+    assert len(pages["at once"]) > 10_000 and pages["at once"] == pages["later"]
+
+
+SMOOTH = """
+closure = { shape = "ball", radius = "20 mm", material = "steel" }
+seat = { shape = "cone", angle = "45 deg", material = "steel" }
+interface = { law = "smooth" }
+load = { fluid_pressure = "20 bar" }
+mesh = { contact_size = "20 um" }
+"""
+
+
+def page_of(folder):
+    """The report without the minute of its making."""
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    return re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", text)
 
 
 def test_every_file_that_a_run_writes_is_known_as_one(two_runs):
