@@ -379,7 +379,7 @@ class CondensedBody:
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
     face_strain : ndarray, shape (2, m, n), or None
         Strain in the plane of the face under unit forces at the trace nodes along the normal, along the face and around
-        the axis [1/N]; None of a body that was linearised where it yields.
+        the axis [1/N]; None where `solve` knows it, and of a body that was linearised where it yields.
     """
 
     fem: ConstrainedBody
@@ -390,7 +390,8 @@ class CondensedBody:
 
     def __getstate__(self) -> dict[str, object]:
         """For pickle, which cannot store a factorisation: the loads are stored, the solver is not."""
-        return {**vars(self), "loads": self.loads, "find_loads": None, "solve": None}
+        strain = self._strain_of_units
+        return {**vars(self), "loads": self.loads, "find_loads": None, "solve": None, "face_strain": strain}
 
     @cached_property
     def loads(self) -> Mapping[LoadName, BoundaryLoad]:
@@ -410,7 +411,7 @@ class CondensedBody:
             name: load if name in _IMPOSED_MOTIONS else load.divided(factor)
             for name, load in self.loads.items()
         }
-        strain = None if self.face_strain is None else self.face_strain / factor
+        strain = None if self._strain_of_units is None else self._strain_of_units / factor
         fem = replace(self.fem, material=material)
         return replace(self.with_loads(loads), fem=fem, face_strain=strain)
 
@@ -439,9 +440,12 @@ class CondensedBody:
         loads : mapping
             Magnitude of each further load.
         """
-        if self.face_strain is None:
+        if self.face_strain is not None:
+            strain = self.face_strain @ (self.fem.trace.T @ point_forces)
+        elif self.solve is not None:
+            strain = self.fem.face_strain(self.displacement(point_forces))
+        else:
             return None
-        strain = self.face_strain @ (self.fem.trace.T @ point_forces)
         for name, size in loads.items():
             load, trace = self.loads[name], self.fem.trace
             free = np.broadcast_to(load.free_strain, len(self.fem.nodes[0]))
@@ -449,6 +453,22 @@ class CondensedBody:
                 self.fem.face_strain(load.response) - trace @ free[self.fem.contact_nodes]
             )
         return strain.T
+
+    @property
+    def with_face_strain(self) -> CondensedBody:
+        """The same body, which knows the strain of its face without what is inside."""
+        return replace(self.with_loads(self.loads), face_strain=self._strain_of_units)
+
+    @cached_property
+    def _strain_of_units(self) -> FloatArray | None:
+        """`face_strain`, which takes as long as many contacts; None if not known."""
+        if self.face_strain is not None or self.solve is None:
+            return self.face_strain
+        fem = self.fem
+        forces = np.zeros((fem.size, len(fem.contact_nodes)))
+        for dofs, normal in zip(fem.contact_dofs, fem.normal, strict=True):
+            forces[dofs, np.arange(len(dofs))] = normal
+        return fem.face_strain(self.solve(fem.balance_forces(forces)))
 
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.

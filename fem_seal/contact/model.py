@@ -195,6 +195,11 @@ class ContactModel:
         return any(body.material.hardening is not None for body in self.bodies.values())
 
     @property
+    def with_face_strain(self) -> ContactModel:
+        """The same, whose bodies know the strain of their faces without what is inside."""
+        return replace(self, closure=self.closure.with_face_strain, seat=self.seat.with_face_strain)
+
+    @property
     def line_alone(self) -> ContactModel:
         """The same without the factors of its bodies, which take most of the memory."""
         return replace(self, closure=self.closure.line_alone, seat=self.seat.line_alone)
@@ -390,15 +395,7 @@ def _condense_body(fem: ConstrainedBody) -> CondensedBody:
         outwards[fem.wall] = 1.0
         forces["wall"] = np.asarray(stiffness_matrix(fem.mesh, fem.material) @ outwards)
     body = condense_body(fem, DissectedBody(fem).elastic(), forces)
-    assert body.solve is not None  # just condensed
-    unit_forces = np.zeros((fem.size, len(fem.contact_nodes)))
-    for dofs, normal in zip(fem.contact_dofs, fem.normal, strict=True):
-        unit_forces[dofs, np.arange(len(dofs))] = normal
-    return replace(
-        body,
-        find_loads=lambda: {**body.loads, **dict(_heat_answers(body))},
-        face_strain=fem.face_strain(body.solve(fem.balance_forces(unit_forces))),
-    )
+    return replace(body, find_loads=lambda: {**body.loads, **dict(_heat_answers(body))})
 
 
 def _heat_answers(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:

@@ -189,7 +189,9 @@ class SharedBodies(Source):
         """Those that are kept, of rounded sizes."""
         key = Bodies.of(problem, sizing, self.rounding)
         if not self.stress:
-            model = self.light.get(key, lambda: key.condense(self.light.latest_value).line_alone)
+            model = self.light.get(
+                key, lambda: key.condense(self.light.latest_value).with_face_strain.line_alone
+            )
             return None, with_stop(problem, model)
         can_yield = tuple(name for name, material in problem.materials.items() if material.yield_stress)
         if next(_model_uses.get(key, count)) < _WORTH_A_SCREEN:
