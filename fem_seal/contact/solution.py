@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import larger_strain, over_pressure, without_free_strain
+from fem_seal.bodies.elasticity import larger_strain, without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
@@ -209,33 +209,24 @@ class ContactSolution:
 
         Along the faces and around the axis, each part of it counted with the pressure under which it came, over the
         highest pressure that the place has carried: int p d(strain)/p_max. Then the sum of both elastic strains, in
-        full, where pressure times it was largest. Of the body that is strained more, where one yields of those that do.
+        full; along a path of bodies that yield where pressure times it was largest. Of the body that is strained more,
+        where one yields of those that do.
 
         Returns
         -------
         ndarray, shape (m, 3), or None
             At the points of the contact line; None of bodies that were linearised where they yield.
         """
-        elastic = self._elastic_strain
-        if elastic is None:
-            return None
-        if self.history:
-            contacts = [(contact.pressure, contact._elastic_strain) for contact in (self, *self.history)]
-            products = [pressure[:, None] * strain for pressure, strain in contacts if strain is not None]
-            highest = np.max([pressure for pressure, _ in contacts], axis=0)
-            elastic = over_pressure(reduce(larger_strain, products), highest)
-        # of what rises with the pressure half counts
-        return np.column_stack([0.5 * elastic, elastic.sum(axis=1)])
-
-    @property
-    def _elastic_strain(self) -> FloatArray | None:
-        """Elastic strain under the present load, along the face and around the axis (m, 2)."""
         strains = [
             body.elastic_strain(self.line_forces, self.loads.on_body(name))
             for name, body in self.model.bodies.items()
         ]
         known = [strain for strain in strains if strain is not None]
-        return reduce(larger_strain, known) if known else None
+        if not known:
+            return None
+        elastic = reduce(larger_strain, known)
+        # of what rises with the pressure half counts
+        return np.column_stack([0.5 * elastic, elastic.sum(axis=1)])
 
     @property
     def mean_gap(self) -> FloatArray:

@@ -193,7 +193,7 @@ def test_another_code_flattens_alike():
             continue
         shape, ratio = ("1", "16", "0.8", "4", *path[1:], "x", "1"), k / first[path][1]
         state = bulk_flow.State(
-            shape, 1, first[path][1], strain, touched / first[path][0], along=ratio, across=ratio
+            shape, 1, first[path][1], strain, touched / first[path][0], ratio, ratio, math.nan
         )
         of_area, of_flow, *_ = bulk_flow.log_misses(state)
         area.append(of_area)

@@ -99,13 +99,12 @@ def test_the_body_that_is_strained_more_counts() -> None:
     assert contact.strain[pressed, 2] == pytest.approx(of_seat[pressed].sum(axis=1))
 
 
-def test_after_a_larger_load_its_strain_counts() -> None:
+def test_after_a_larger_load_the_strain_is_that_of_the_present_one() -> None:
+    """As a fluid between the surfaces finds it, which knows no more of the earlier contact than its pressure."""
     high, low = (fem_seal.solve(model(), LAW, contact_force=force) for force in (2e4, 5e3))
-    after, first = low.after(high), low.strain
-    middle = int(high.pressure.argmax())
-    assert first is not None and high.strain is not None and after.strain is not None
-    assert after.strain[middle] == pytest.approx(high.strain[middle], rel=1e-6)
-    assert abs(after.strain[middle, 2]) > 1.5 * abs(first[middle, 2])
+    first, after = low.strain, low.after(high).strain
+    assert first is not None and after is not None
+    assert np.array_equal(first, after)
 
 
 def test_a_body_below_its_yield_stress_is_strained_like_an_elastic_one() -> None:
