@@ -19,6 +19,7 @@ def test_what_is_left_of_the_spectrum_is_that_of_the_theory() -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_gap_decides_whether_the_conductivity_is_right() -> None:
     """C_pl has neither; a spectrum smoothed to the right mean gap has both."""
     _, gap, flow = smoothing.ratios(0.01, 0.1, 1.0, seeds=(1,))

@@ -237,6 +237,7 @@ def test_crests_lost_in_fine_roughness_conduct_as_that_roughness():
     assert sigma[0] < sigma[1] < sigma[2] < 6.0 * sigma[0]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not DIRECT.exists(), reason="the reference turned_direct.csv is not here (../shared/reference)"
 )
@@ -293,6 +294,7 @@ def test_thread_is_added_to_crests_that_are_lost_in_the_roughness(rms):
     assert thread.nearly_sealed_pressure == rings.nearly_sealed_pressure < rings.sealing_pressure
 
 
+@pytest.mark.slow
 def test_sealing_crosses_over_without_a_step():
     """From crests to the fine roughness alone: neighbours seal at neighbouring pressures."""
     heights = np.geomspace(1.9e-7, 6.5e-7, 14)
@@ -453,6 +455,7 @@ def leak_flow(inverse_knudsen: np.ndarray) -> np.ndarray:
     return 6.0 * poiseuille_flow_rate(inverse_knudsen) / inverse_knudsen
 
 
+@pytest.mark.slow
 def test_gas_crosses_over_to_the_fine_roughness():
     p, D = math.log(2e7), math.log(0.1)
 
@@ -710,6 +713,7 @@ def crests_of_four_maps(feed: float, pressures: np.ndarray, monkeypatch) -> np.n
     return np.exp(np.interp(np.log(pressures), [math.log(state.pressure) for state in pressed], log_k))
 
 
+@pytest.mark.slow
 def test_of_crests_of_very_unlike_heights_one_carries_all(monkeypatch):
     """The others, far below, add nothing: one crest in eight feeds, 12 eta k = 8 f m <g^2>."""
     scattered, p = turned(crest_scatter=1.4e-6), np.array([0.5e6, 1.5e6])

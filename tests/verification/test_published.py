@@ -32,6 +32,7 @@ def test_page_is_up_to_date() -> None:
     assert published.PAGE.read_text(encoding="utf-8") == published.page(published.read())
 
 
+@pytest.mark.slow
 def test_a_punch_by_elements_of_its_own_settles_as_the_page_says() -> None:
     """The published settlement lies between even meshes of 10 and 5 mm, 2.4 % above that of a fine one."""
     coarse, finer = (punch_elements.settlement(size)[0] for size in (10.0, 5.0))

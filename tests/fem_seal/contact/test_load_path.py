@@ -107,6 +107,7 @@ def test_the_pressure_in_the_gap_is_in_the_profile():
         assert (np.diff(load.gap_pressure) < 0).all()
 
 
+@pytest.mark.slow
 def test_too_much_pressure_is_refused_with_the_one_that_opens():
     opens = valve().table.blow_off_pressure_Pa.iloc[0]
     with pytest.raises(InputError, match="the seal is open at a fluid pressure of 25 bar") as failure:

@@ -80,6 +80,7 @@ def test_no_copies_beside_threads_or_in_a_process_that_was_started():
     assert fork_map(lambda _: can_copy(), range(2), 2)[1] is False
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_copied_an_interval_is_the_same_to_the_last_bit(monkeypatch):
     in_copies = Mock(side_effect=processes._in_copies)
     monkeypatch.setattr(processes, "_in_copies", in_copies)

@@ -158,6 +158,7 @@ def test_a_stop_that_no_load_reaches_changes_nothing() -> None:
 # ---------------------------------------------------------------- bodies that yield
 
 
+@pytest.mark.slow
 def test_a_yielding_ring_stays_at_the_stop_until_that_is_relieved() -> None:
     first, at, beyond, again, back = yielding().loads
     assert first.contact.stop_force == 0.0

@@ -265,6 +265,7 @@ def test_thread_leaks_beside_the_crests():
     assert crests in columns_of(case) and crests not in columns_of(solved().case)
 
 
+@pytest.mark.slow
 def test_sensitivities_are_those_of_faces_with_another_feed_and_nose():
     case = solved().case
     levers = {one.key: one for one in sensitivities(solved())}
