@@ -430,15 +430,21 @@ class CondensedBody:
         """From displacements to the stress at the nodes."""
         return StressRecovery(self.fem.mesh, self.material)
 
-    def elastic_strain(self, point_forces: FloatArray, loads: Mapping[LoadName, float]) -> FloatArray | None:
-        """Strain of the face that takes stress, along it and around the axis [-], shape (m, 2); None if not known.
+    def elastic_strain(
+        self, point_forces: FloatArray, loads: Mapping[LoadName, float | FloatArray]
+    ) -> FloatArray | None:
+        """Strain of the face that takes stress, along it and around the axis [-]; None if not known.
 
         Parameters
         ----------
-        point_forces : ndarray, shape (m,)
+        point_forces : ndarray, shape (m,) or (m, k)
             Normal forces at the points of the contact line [N].
         loads : mapping
-            Magnitude of each further load.
+            Magnitude of each further load, or magnitudes, shape (k,).
+
+        Returns
+        -------
+        ndarray, shape (m, 2) or (k, m, 2), or None
         """
         if self.face_strain is not None:
             strain = self.face_strain @ (self.fem.trace.T @ point_forces)
@@ -449,9 +455,8 @@ class CondensedBody:
         for name, size in loads.items():
             load, trace = self.loads[name], self.fem.trace
             free = np.broadcast_to(load.free_strain, len(self.fem.nodes[0]))
-            strain = strain + size * (
-                self.fem.face_strain(load.response) - trace @ free[self.fem.contact_nodes]
-            )
+            held = self.fem.face_strain(load.response) - trace @ free[self.fem.contact_nodes]
+            strain = strain + np.multiply.outer(held, size)
         return strain.T
 
     @property

@@ -203,7 +203,7 @@ class ContactSolution:
         """f_N [N/m]."""
         return self.model.line_load(self.contact_force)
 
-    @property
+    @cached_property
     def strain(self) -> FloatArray | None:
         """Strain of the metal under the faces, which flattens asperities or holds them, in the plane of the faces [-].
 
@@ -217,16 +217,7 @@ class ContactSolution:
         ndarray, shape (m, 3), or None
             At the points of the contact line; None of bodies that were linearised where they yield.
         """
-        strains = [
-            body.elastic_strain(self.line_forces, self.loads.on_body(name))
-            for name, body in self.model.bodies.items()
-        ]
-        known = [strain for strain in strains if strain is not None]
-        if not known:
-            return None
-        elastic = reduce(larger_strain, known)
-        # of what rises with the pressure half counts
-        return np.column_stack([0.5 * elastic, elastic.sum(axis=1)])
+        return _strains([self])[0]
 
     @property
     def mean_gap(self) -> FloatArray:
@@ -317,6 +308,40 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
     if solutions:
         for solution, motion in zip(solutions, _move_bodies(solutions), strict=True):
             vars(solution)["displacements"] = motion
+
+
+def strain_together(solutions: Sequence[ContactSolution]) -> None:
+    """Work out `ContactSolution.strain` of several contacts at once, in a fraction of the time.
+
+    Parameters
+    ----------
+    solutions : sequence of ContactSolution
+        Each then knows what it would have found when asked; those of bodies that yield know it already.
+    """
+    elastic = [solution for solution in solutions if type(solution) is ContactSolution]
+    for model in {id(solution.model): solution.model for solution in elastic}.values():
+        alike = [solution for solution in elastic if solution.model is model]
+        for solution, strain in zip(alike, _strains(alike), strict=True):
+            vars(solution)["strain"] = strain
+
+
+def _strains(solutions: Sequence[ContactSolution]) -> list[FloatArray | None]:
+    """`ContactSolution.strain` of contacts on the same model."""
+    model = solutions[0].model
+    forces = np.stack([solution.line_forces for solution in solutions], axis=1)
+    of_bodies = []
+    for name, body in model.bodies.items():
+        loads = [solution.loads.on_body(name) for solution in solutions]
+        sizes = {key: np.array([load.get(key, 0.0) for load in loads]) for load in loads for key in load}
+        strain = body.elastic_strain(forces, sizes)
+        if strain is not None:
+            of_bodies.append(strain)
+    strains: list[FloatArray | None] = [None for _ in solutions]
+    for number, of_contact in enumerate(zip(*of_bodies, strict=True)):
+        elastic = reduce(larger_strain, of_contact)
+        # of what rises with the pressure half counts
+        strains[number] = np.column_stack([0.5 * elastic, elastic.sum(axis=1)])
+    return strains
 
 
 @single_threaded

@@ -37,7 +37,13 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings, TightenedBolts
-from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution, largest_before
+from fem_seal.contact.solution import (
+    DEFAULT_SETTINGS,
+    ContactSettings,
+    ContactSolution,
+    largest_before,
+    strain_together,
+)
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
@@ -521,6 +527,7 @@ def solve_loads(
             problem = replace(problem, form=circumference.form)
         solutions.update(dict.fromkeys(numbers, (contact, circumference)))
     contacts = [solutions[number][0] for number in sorted(solutions)]
+    strain_together(contacts)
     circumferences = [x for number in sorted(solutions) if (x := solutions[number][1]) is not None]
     failures = dict(sorted(failures.items()))
     return SolvedLoads(contacts, failures=failures, circumferences=circumferences, points=bolt_loads)
