@@ -120,7 +120,7 @@ print(json.dumps({
     "properties": ArtistInspector(line).get_setters(),
     "erf": scipy.special.erf([0.5]).tolist(),
     "waiting": [name for name in sorted(LATE_IMPORTS) if type(sys.modules.get(name)) is not types.ModuleType],
-    "explained": ["markersize" in (type(line).set.__doc__ or ""), "API" in scipy.special.erf.__doc__],
+    "explained": "markersize" in (type(line).set.__doc__ or ""),
     "used later": sys.modules["numpy.testing"].assert_equal.__name__,
 }))
 """
@@ -142,8 +142,8 @@ def test_a_command_is_spared_what_no_command_uses_and_draws_the_same():
         for whose in ("command", "library")
     )
     assert (command.pop("waiting"), library.pop("waiting")) == (sorted(LATE_IMPORTS), [])
+    assert (command.pop("explained"), library.pop("explained")) == (False, True)
     assert command == library
-    assert command["explained"] == [True, True]
     assert "no_such_property" in command["refused"]
     assert len(command["properties"]) > 30
 
