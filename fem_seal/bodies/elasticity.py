@@ -374,13 +374,13 @@ def _patches(mesh: MeshTri) -> tuple[IntArray, IntArray]:
 
 
 def strain_size(strain: FloatArray) -> FloatArray:
-    """Size (m,) of strains (m, 2) in the plane of a face, that of metal that keeps its volume but for a factor."""
-    return np.sqrt((strain**2).sum(axis=1) + strain.prod(axis=1))
+    """Size (...) of strains (..., 2) in the plane of a face, that of metal that keeps its volume but for a factor."""
+    return np.sqrt((strain**2).sum(axis=-1) + strain.prod(axis=-1))
 
 
 def larger_strain(first: FloatArray, second: FloatArray) -> FloatArray:
-    """At each place the larger one of two strains (m, 2) in the plane of a face."""
-    return np.where((strain_size(second) > strain_size(first))[:, None], second, first)
+    """At each place the larger one of two strains (..., 2) in the plane of a face."""
+    return np.where((strain_size(second) > strain_size(first))[..., None], second, first)
 
 
 def over_pressure(strain: FloatArray, pressure: FloatArray) -> FloatArray:

@@ -56,6 +56,9 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Calculate the designs of a study, store them in study.sqlite and write report.html."""
+    # its tables come at the end, and who lacks it is told at once
+    import pandas  # noqa: F401
+
     from fem_seal.studies.progress import shown_progress
     from fem_seal.studies.session import run_study
     from fem_seal.studies.study import load_study

@@ -316,32 +316,27 @@ def strain_together(solutions: Sequence[ContactSolution]) -> None:
     Parameters
     ----------
     solutions : sequence of ContactSolution
-        Each then knows what it would have found when asked; those of bodies that yield know it already.
+        As of `move_together`.
     """
-    elastic = [solution for solution in solutions if type(solution) is ContactSolution]
-    for model in {id(solution.model): solution.model for solution in elastic}.values():
-        alike = [solution for solution in elastic if solution.model is model]
-        for solution, strain in zip(alike, _strains(alike), strict=True):
-            vars(solution)["strain"] = strain
+    solutions = [solution for solution in solutions if solution.model is solutions[0].model]
+    for solution, strain in zip(solutions, _strains(solutions) if solutions else (), strict=True):
+        vars(solution)["strain"] = strain
 
 
-def _strains(solutions: Sequence[ContactSolution]) -> list[FloatArray | None]:
+def _strains(solutions: Sequence[ContactSolution]) -> Sequence[FloatArray | None]:
     """`ContactSolution.strain` of contacts on the same model."""
-    model = solutions[0].model
     forces = np.stack([solution.line_forces for solution in solutions], axis=1)
-    of_bodies = []
-    for name, body in model.bodies.items():
+    strains = []
+    for name, body in solutions[0].model.bodies.items():
         loads = [solution.loads.on_body(name) for solution in solutions]
         sizes = {key: np.array([load.get(key, 0.0) for load in loads]) for load in loads for key in load}
-        strain = body.elastic_strain(forces, sizes)
-        if strain is not None:
-            of_bodies.append(strain)
-    strains: list[FloatArray | None] = [None for _ in solutions]
-    for number, of_contact in enumerate(zip(*of_bodies, strict=True)):
-        elastic = reduce(larger_strain, of_contact)
-        # of what rises with the pressure half counts
-        strains[number] = np.column_stack([0.5 * elastic, elastic.sum(axis=1)])
-    return strains
+        strains.append(body.elastic_strain(forces, sizes))
+    known = [strain for strain in strains if strain is not None]
+    if not known:
+        return [None for _ in solutions]
+    elastic = reduce(larger_strain, known)
+    # of what rises with the pressure half counts
+    return list(np.concatenate([0.5 * elastic, elastic.sum(axis=2, keepdims=True)], axis=2))
 
 
 @single_threaded

@@ -6,6 +6,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from io import BytesIO
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -133,9 +134,8 @@ def new_case(
             each.name: f"{path} = {value}: {each.words}" for each, path, value in cases.find_questions(text)
         },
         "next": _next("check_case", "before it is solved"),
-        "case_toml": text,
     }
-    return Reply(says)
+    return _reply(says, text)
 
 
 def check_case(folder: Folder, case_path: str = "", case_toml: str = "", picture: bool = False) -> Reply:
@@ -163,12 +163,9 @@ def check_case(folder: Folder, case_path: str = "", case_toml: str = "", picture
             for row in _few(checked.numbers["loads"])
         ],
         "next": _next("run_case", "for leak rate and verdict"),
-        "case_toml": text,
     }
-    if not picture:
-        return Reply(_plain(says))
     with style():
-        return Reply(_plain(says), (_png(section_figure(case)),))
+        return _reply(says, text, figures=[section_figure(case)] if picture else ())
 
 
 def run_case(
@@ -252,11 +249,8 @@ def study(
         "designs_SI": result.table.loc[best].reset_index().to_dict("records"),
         "outside_theory_left_out": result.left_out,
         "next": _next("run_case", "of the best design, for interval and verdict"),
-        "case_toml": text,
     }
-    if place is not None:
-        says["files"] = [folder.shown(result.report())]
-    return Reply(_plain(says))
+    return _reply(says, text, [] if place is None else [folder.shown(result.report())])
 
 
 def calibrate(
@@ -283,16 +277,32 @@ def calibrate(
         "predictions_shown": rows[:_ROWS],
         "summary_SI": output.summary(found),
         "next": _next("run_case", "with the calibrated case of results_folder"),
-        "case_toml": text,
     }
-    if place is not None:
-        output.write_calibration(found, place)
-        says["files"] = _files(folder, place)
-    return Reply(_plain(says))
+    return _reply(says, text, _written(folder, place, partial(output.write_calibration, found)))
+
+
+def testplan(folder: Folder, case_path: str = "", case_toml: str = "", results_folder: str = "") -> Reply:
+    """Plan a leak test that decides between what is open: its loads, what is expected at each, a protocol."""
+    from fem_seal.answers.testplan import plan_leak_test
+    from fem_seal.output import testplan as output
+
+    case, text = folder.case(case_path, case_toml)
+    place = folder.new(results_folder, "results_folder")
+    plan = plan_leak_test(case, tell)
+    loads = output.summary(plan)
+    says = {
+        "says": f"{case.title}: a leak test at {len(loads)} loads",
+        "decides": list(output.lines(plan)),
+        "loads_SI": loads,
+        "next": _next("calibrate", "with what was measured"),
+    }
+    write = partial(output.write_testplan, plan, case_file=Path(case_path).name or "CASE.toml")
+    return _reply(says, text, _written(folder, place, write))
 
 
 TOOLS: Mapping[str, Callable[..., Reply]] = {
-    tool.__name__: tool for tool in (new_case, check_case, run_case, leak_of_profile, study, calibrate)
+    tool.__name__: tool
+    for tool in (new_case, check_case, run_case, leak_of_profile, study, calibrate, testplan)
 }
 
 
@@ -324,13 +334,9 @@ def _result(folder: Folder, result: SealSolution, text: str, place: Path | None,
         "loads_SI": rows,
         "warnings": remarks[:_WARNINGS],
         "next": _after(case, result, reasons),
-        "case_toml": text,
     }
-    if place is not None:
-        place.mkdir(parents=True)
-        files.write(result, place)
-        says["files"] = _files(folder, place)
-    return Reply(_plain(says), (_png(result_figure(result)),) if picture else ())
+    written = _written(folder, place, partial(files.write, result))
+    return _reply(says, text, written, [result_figure(result)] if picture else ())
 
 
 def _after(case: Case, result: SealSolution, reasons: Iterable[str]) -> dict[str, str]:
@@ -355,14 +361,23 @@ def _next(tool: str, why: str) -> dict[str, str]:
     return {"tool": tool, "why": why}
 
 
-def _files(folder: Folder, place: Path) -> list[str]:
+def _written(folder: Folder, place: Path | None, write: Callable[[Path], object]) -> list[str]:
+    """Names of the files that are written into a new folder, if one is asked for."""
+    if place is None:
+        return []
+    place.mkdir(parents=True)
+    write(place)
     return sorted(folder.shown(path) for path in place.iterdir() if not path.name.startswith("."))
 
 
-def _plain(says: Mapping[str, Any]) -> dict[str, Any]:
-    """The same as JSON has it."""
-    plain: dict[str, Any] = parse_json(as_json(says))
-    return plain
+def _reply(
+    says: Mapping[str, Any], text: str, files: Sequence[str] = (), figures: Sequence[Figure] = ()
+) -> Reply:
+    """An answer as JSON has it, with the text of its case, what was written, and pictures."""
+    plain: dict[str, Any] = parse_json(
+        as_json({**says, "case_toml": text} | ({"files": files} if files else {}))
+    )
+    return Reply(plain, tuple(map(_png, figures)))
 
 
 def _png(figure: Figure) -> bytes:

@@ -79,6 +79,24 @@ def test_a_package_that_a_light_install_leaves_out_is_named():
     assert "a defect" in error_text(ModuleNotFoundError(name="no_such_module"))
 
 
+@pytest.mark.parametrize(
+    ("package", "arguments"),
+    [
+        ("pandas", ["study", str(ROOT / "examples" / "studies" / "angle_and_roughness.toml"), "-o"]),
+        ("pyvista", ["view", "--png", "seal.png"]),
+    ],
+)
+def test_a_light_install_is_told_before_anything_is_calculated(
+    package, arguments, monkeypatch, capfd, tmp_path
+):
+    from fem_seal.cli.app import main
+
+    monkeypatch.setitem(sys.modules, package, None)
+    assert main([*arguments, str(tmp_path / "results")]) == 2
+    assert capfd.readouterr().err.split("; ")[0] == f"error: this needs {package}, which is not installed"
+    assert not list(tmp_path.iterdir())
+
+
 def test_the_command_installs_from_where_the_program_came(monkeypatch, tmp_path):
     folder = tmp_path / "a folder"
     folder.mkdir()

@@ -13,6 +13,7 @@ import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -143,6 +144,9 @@ def view(
     OutputError
         If the file cannot be written.
     """
+    # of the process that draws it would come back as a fault of the machine
+    if find_spec("pyvista") is None:
+        raise ModuleNotFoundError("no pyvista", name="pyvista")
     files, display = loads_in(folder), display or Display()
     number = len(files) if load is None else load
     if not 1 <= number <= len(files):

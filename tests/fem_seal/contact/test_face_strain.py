@@ -15,6 +15,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad
+from fem_seal.contact.solution import strain_together
 from fem_seal.materials import HardeningCurve
 from leak import ExponentialLaw
 
@@ -105,6 +106,24 @@ def test_after_a_larger_load_the_strain_is_that_of_the_present_one() -> None:
     first, after = low.strain, low.after(high).strain
     assert first is not None and after is not None
     assert np.array_equal(first, after)
+
+
+def test_strains_of_several_contacts_at_once_are_those_of_each() -> None:
+    """Under loads of their own, one without any, and one on other bodies."""
+    loads = (BodyLoads(), BodyLoads(closure={0: 3e7}), BodyLoads(closure={0: 1e7}, seat={"wall": 1e-5}))
+    models = (model(), model(), model(), model(0.3, 105e9))
+    each, together = (
+        [
+            fem_seal.solve(of, LAW, contact_force=5e3, loads=on_bodies)
+            for of, on_bodies in zip(models, (*loads, BodyLoads()), strict=True)
+        ]
+        for _ in range(2)
+    )
+    strain_together(together)
+    for contact, other in zip(each, together, strict=True):
+        assert contact.strain is not None and ("strain" in vars(other)) is (other.model is model())
+        scale = np.abs(contact.strain).max()
+        assert other.strain == pytest.approx(contact.strain, rel=1e-9, abs=1e-12 * scale)
 
 
 def test_a_body_below_its_yield_stress_is_strained_like_an_elastic_one() -> None:

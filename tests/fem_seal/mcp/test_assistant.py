@@ -19,6 +19,7 @@ from mcp.client.stdio import StdioServerParameters
 from places import EXAMPLES, ROOT
 
 import fem_seal
+from fem_seal.answers.testplan import plan_leak_test
 from fem_seal.errors import InputError
 from fem_seal.mcp.folder import MOST_BYTES, Folder, folder_at
 from fem_seal.mcp.manual import explain, search
@@ -63,6 +64,7 @@ TOOLS = {
     "leak_of_profile",
     "study",
     "calibrate",
+    "testplan",
     "explain",
     "search_manual",
 }
@@ -293,6 +295,18 @@ def test_a_reading_that_contradicts_the_case_is_told(assistant):
     assert "leak_rate" in assistant.refused(
         "calibrate", measured_csv="fluid_pressure [bar]\n2\n", case_path="case.toml"
     )
+
+
+def test_a_leak_test_is_planned_and_its_table_written(assistant):
+    answer = assistant.ask("testplan", case_path="case.toml", results_folder="planned")
+    plan = plan_leak_test(fem_seal.load_case(assistant.folder / "case.toml"))
+    expected = [reading.load.leak_interval for reading in plan.readings]
+    assert [reading["expected_m3_per_s"] for reading in answer["loads_SI"]] == [
+        pytest.approx(interval, rel=1e-9) for interval in expected
+    ]
+    assert answer["decides"] and answer["next"]["tool"] == "calibrate"
+    assert answer["files"] == ["planned/protocol.md", "planned/readings.csv"]
+    assert "case.toml" in (assistant.folder / answer["files"][0]).read_text()
 
 
 # --- nothing outside of the folder, and nothing without end ------------------------------------------------
