@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 import punch_elements
+import slip_lines
 from scipy.special import erf
 
 import fem_seal
@@ -120,6 +121,25 @@ def wedge() -> Numbers:
     return {"80 deg": steep, "85 deg": blunt, "flat": 2.0 * blunt - steep}
 
 
+def limit_loads() -> Numbers:
+    """With the difference that is left at half the size of the elements, which is in proportion to it, taken off.
+
+    Metal that slips along a line is held up by the elements on it. How the surface flows is that of the finer ones.
+    """
+    wedges = {f"pressed {angle}": slip_lines.pressed(np.radians(angle)) for angle in (15, 30, 45, 60)}
+    wedges |= {f"crushed {angle}": slip_lines.crushed(np.radians(angle)) for angle in (30, 45, 60)}
+    cut = {"cut 60": slip_lines.crushed(np.radians(60), fan=np.radians(60))}
+    found: Numbers = {}
+    for name, wedge in (wedges | cut).items():
+        coarse, fine = (slip_lines.limit_pressure(wedge, finer) for finer in (1.0, 2.0))
+        found |= {name: 2.0 * fine - coarse, f"{name}, fine": fine, f"{name}, coarse": coarse}
+    flows = {name: slip_lines.flow(wedge, 2.0, found[f"{name}, fine"]) for name, wedge in wedges.items()}
+    lips = [flows[name].middle / wedge.growth for name, wedge in wedges.items()]
+    # beyond the corner, which no mesh keeps sharp
+    rest = max(float(np.abs(flow.rest[flow.rest[:, 0] > 0.05, 1]).max()) for flow in flows.values())
+    return found | {"slowest lip": min(lips), "fastest lip": max(lips), "rest": rest}
+
+
 def sphere() -> Numbers:
     n, radius, yield_stress, widest = 64, 4.0, 5e-5, 0.14
     x = np.arange(n) / n - 0.5
@@ -159,6 +179,7 @@ def challenge() -> Numbers:
 MEASURES: dict[str, Callable[[], Numbers]] = {
     "nafems_1": nafems_1,
     "nafems_2": nafems_2,
+    "limit_loads": limit_loads,
     "wedge": wedge,
     "knudsen": knudsen,
     "sphere": sphere,
