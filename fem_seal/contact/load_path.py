@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,11 +18,12 @@ from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.plastic_step import (
     Equilibrium,
     Flattening,
+    LinearModel,
     PathLoad,
     PlasticSettings,
     YieldingBody,
-    larger_strain,
     press,
+    strain_on_path,
     strain_size,
     unloading_model,
 )
@@ -419,6 +420,8 @@ _COLLAPSE_STRAIN = 10.0
 # A little more load brings bodies that yield through so many times as near to each other as elastic ones: beyond what a
 # contact in the fully plastic range does, or where so much of a body has yielded.
 _GIVES_WAY, _GIVES_WAY_WHOLE, _WHOLE_SHARE = 20.0, 5.0, 0.9
+# Steps that unloading takes are longer by this factor.
+_UNLOADED_BY = 4
 # Part of the steps of a whole way that its beginning may take.
 _AT_LEAST = 0.2
 # What keeps a step from being solved; a smaller one may be.
@@ -533,11 +536,17 @@ class _Walk:
         raise ConvergenceError("the force of the bolts and the path of the bodies that yield do not converge")
 
     def unload(self, rest: PathLoad, last: PathLoad, balance: Equilibrium, number: int) -> Equilibrium:
-        """Walk from the last load to where the bodies are apart; at once from where a fluid parts them on the way."""
+        """Walk from the last load to where the bodies are apart; at once from where a fluid parts them on the way.
+
+        In longer steps, since hardly anything flows.
+        """
+        walk = replace(
+            self, settings=replace(self.settings, steps=math.ceil(self.settings.steps / _UNLOADED_BY))
+        )
         try:
-            return self.reach(rest, last, balance, number)[0]
+            return walk.reach(rest, last, balance, number)[0]
         except _OpenedSeal as opening:
-            return self.reach(rest, rest, opening.last_touch)[0]
+            return walk.reach(rest, rest, opening.last_touch)[0]
 
     def _press(
         self, load: PathLoad, balance: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
@@ -552,13 +561,18 @@ class _Walk:
                 settings=self.settings,
                 start=balance.contact,
                 guess=guess,
+                strain=strain_on_path(balance.flattening),
                 elastic=elastic,
             )
         return balance.flattened_until(arrival, self.bodies)
 
+    def _unloading_model(self, balance: Equilibrium, load: PathLoad) -> LinearModel:
+        strain = strain_on_path(balance.flattening)
+        return unloading_model(self.model, self.bodies, balance.states, load.further, strain)
+
     def _open_load(self, load: PathLoad, balance: Equilibrium, error: OpenSealError) -> OpenLoad:
         """Error of a load that opens the bodies as they last touched; the given one if it leaves them closed."""
-        model = unloading_model(self.model, self.bodies, balance.states, load.further)
+        model = self._unloading_model(balance, load)
         try:
             load.contact(model, self.law, balance.contact)
         except OpenSealError as of_load:
@@ -590,7 +604,7 @@ class _Walk:
         """Whether bodies linearised as they flow come so much nearer in a step that they bear nothing more."""
         if not balance.states or balance.linear is None or balance.contact is None:
             return False
-        elastic = unloading_model(self.model, self.bodies, balance.states, at.further)
+        elastic = self._unloading_model(balance, at)
         try:
             ends = [aim.contact(bodies, self.law, balance.contact) for bodies in (balance.linear, elastic)]
         except _FAILURES:
@@ -682,14 +696,7 @@ class ElastoplasticContact(ContactSolution):
     @property
     def strain(self) -> FloatArray | None:
         """See `ContactSolution.strain`; that of bodies that yield along the whole path."""
-        known = self.flattening.values()
-        if not known:
-            return None
-        strain, elastic = (
-            reduce(larger_strain, strains)
-            for strains in ([each.strain for each in known], [each.elastic_strain for each in known])
-        )
-        return np.column_stack([strain, elastic.sum(axis=1)])
+        return strain_on_path(self.flattening)
 
     @property
     def flowing_body(self) -> str:
@@ -703,7 +710,7 @@ class ElastoplasticContact(ContactSolution):
     @cached_property
     def unloading_model(self) -> ContactModel:
         """The bodies as they answer to less load, see `fem_seal.contact.plastic_step.unloading_model`."""
-        return unloading_model(self.model, self.bodies, self.states, self.loads)
+        return unloading_model(self.model, self.bodies, self.states, self.loads, self.strain)
 
     @cached_property
     def fields(self) -> dict[str, BodyField]:

@@ -200,6 +200,11 @@ class ContactModel:
         return replace(self, closure=self.closure.with_face_strain, seat=self.seat.with_face_strain)
 
     @property
+    def path_strain(self) -> FloatArray | None:
+        """Strain of faces along the path of bodies that yield, see `ContactSolution.strain`; None of elastic ones."""
+        return None
+
+    @property
     def line_alone(self) -> ContactModel:
         """The same without the factors of its bodies, which take most of the memory."""
         return replace(self, closure=self.closure.line_alone, seat=self.seat.line_alone)

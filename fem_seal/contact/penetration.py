@@ -423,6 +423,11 @@ def solve_penetration(
         "penetration",
         _SHARES[-1],
     )
+    # where the fluid ends that comes up to a place depends on where it comes from
+    if start is not None and not isinstance(seal.path, FluidAtContact):
+        with suppress(OpenSealError, ConvergenceError):
+            unknowns = seal.path.unknowns_of(start.whole_profile, fluid_pressure)
+            return coupled_contact(seal, balance, unknowns, start)[0]
     try:
         return coupled_contact(seal, balance, dry_unknowns(seal, force, fluid_pressure, start), start)[0]
     except (OpenSealError, ConvergenceError):

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, reduce
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -219,6 +219,20 @@ def _interpolate_magnitudes(
     }
 
 
+@dataclass(frozen=True, repr=False)
+class LinearModel(ContactModel):
+    """Bodies linearised about a place on their path.
+
+    Parameters
+    ----------
+    path_strain : ndarray, shape (m, 3), or None
+        What strained the metal under the faces on the way there, see `ContactSolution.strain`: no small change of the
+        load knows it.
+    """
+
+    path_strain: FloatArray | None = None
+
+
 # Shares of a Newton step that are tried where the whole of it makes the bodies less balanced than they were.
 _SHARES = (1.0, 0.6, 0.35, 0.2)
 
@@ -282,6 +296,17 @@ class Flattening:
     def elastic_strain(self) -> FloatArray:
         """Elastic strain where pressure times it was largest, over the highest pressure, shape (m, 2) [-]."""
         return over_pressure(2.0 * self.elastic, self.highest)
+
+
+def strain_on_path(flattening: Mapping[str, Flattening]) -> FloatArray | None:
+    """Strain of the faces, see `ContactSolution.strain`, of bodies that yield; None if nobody has followed it."""
+    if not flattening:
+        return None
+    strain, elastic = (
+        reduce(larger_strain, strains)
+        for strains in zip(*((each.strain, each.elastic_strain) for each in flattening.values()), strict=True)
+    )
+    return np.column_stack([strain, elastic.sum(axis=1)])
 
 
 @dataclass(frozen=True)
@@ -352,6 +377,7 @@ def press(
     settings: PlasticSettings | None = None,
     start: ContactSolution | None = None,
     guess: Mapping[str, FloatArray] | None = None,
+    strain: FloatArray | None = None,
     elastic: bool = False,
 ) -> Equilibrium:
     """Balance of bodies, contact line and fluid under a load, one load step away from a known state.
@@ -373,6 +399,8 @@ def press(
     guess : mapping, optional
         Displacements of the bodies at the end of the step, about which they are linearised first [m]; those at its
         beginning if it is left out.
+    strain : ndarray, shape (m, 3), optional
+        Of the faces at the beginning of the step, over which the fluid flows throughout the step.
     elastic : bool
         Whether to give up where something flows, at the guess or at the end of the step.
 
@@ -383,7 +411,7 @@ def press(
     ConvergenceError
         If the iteration does not reach the tolerance, or something flows that should not.
     """
-    settings, step = settings or PlasticSettings(), _Step(model, bodies, start_states, load.further)
+    settings, step = settings or PlasticSettings(), _Step(model, bodies, start_states, load.further, strain)
     guess = guess or {name: state.displacement for name, state in start_states.items()}
     at = step.at(guess, load.further, None)
     contact, limit, residuals = start, np.inf, list[float]()
@@ -410,7 +438,8 @@ def unloading_model(
     bodies: Mapping[str, YieldingBody],
     states: Mapping[str, BodyState],
     at_rest: BodyLoads = NO_LOADS,
-) -> ContactModel:
+    strain: FloatArray | None = None,
+) -> LinearModel:
     """Contact of the bodies as they answer to less load: elastic, and formed by what they have gone through.
 
     Parameters
@@ -423,13 +452,15 @@ def unloading_model(
         Where they are, by name.
     at_rest : BodyLoads
         Heat, under which they are.
+    strain : ndarray, shape (m, 3), optional
+        Of their faces.
 
     Notes
     -----
     Exact as long as nothing yields, which a body does anew where it is loaded further, or backwards when nearly all of
     a load far above the yield stress is gone.
     """
-    step = _Step(model, bodies, states, at_rest)
+    step = _Step(model, bodies, states, at_rest, strain)
     at = step.at({name: state.displacement for name, state in states.items()}, BodyLoads(), None)
     return step.linear(at)[0]
 
@@ -465,6 +496,7 @@ class _Step:
     start_states: Mapping[str, BodyState]
     at_rest: BodyLoads
     """Of which heat is the same throughout the step."""
+    strain: FloatArray | None
 
     def at(
         self, displacements: Mapping[str, FloatArray], loads: BodyLoads, contact: ContactSolution | None
@@ -505,7 +537,7 @@ class _Step:
         )
         return min(candidates, key=lambda iterate: iterate.imbalance)
 
-    def linear(self, at: _Iterate) -> tuple[ContactModel, dict[str, FloatArray]]:
+    def linear(self, at: _Iterate) -> tuple[LinearModel, dict[str, FloatArray]]:
         """The contact of the bodies linearised about an iterate, and their displacements where nothing acts [m]."""
         model, gap, at_rest = self.model, self.model.line.initial_gap, {}
         bodies = model.bodies
@@ -515,14 +547,15 @@ class _Step:
                 bodies[name], at.displacements[name], at.flows[name], heat
             )
             gap = gap + body.fem.trace @ body.fem.normal_displacement(at_rest[name])
-        linear = replace(
-            model,
-            line=replace(model.line, initial_gap=gap),
-            closure=bodies["closure"],
-            seat=bodies["seat"],
-            compliance=line_compliance(**bodies),
-        )
-        return linear, at_rest
+        changes = {
+            "line": replace(model.line, initial_gap=gap),
+            **bodies,
+            "compliance": line_compliance(**bodies),
+            "path_strain": self.strain,
+        }
+        return LinearModel(
+            **{each.name: getattr(model, each.name) for each in fields(model)} | changes
+        ), at_rest
 
     def find_displacements(
         self,
@@ -612,7 +645,7 @@ class PlasticSettings:
         part of the way as large a part of them, but a fifth.
     """
 
-    tolerance: float = 1e-9
+    tolerance: float = 1e-6
     max_iterations: int = 20
     steps: int = 16
     smallest_step: float = 1e-4

@@ -215,9 +215,10 @@ class ContactSolution:
         Returns
         -------
         ndarray, shape (m, 3), or None
-            At the points of the contact line; None of bodies that were linearised where they yield.
+            At the points of the contact line; None if not known.
         """
-        return _strains([self])[0]
+        known = self.model.path_strain
+        return _strains([self])[0] if known is None else known
 
     @property
     def mean_gap(self) -> FloatArray:
@@ -533,7 +534,8 @@ def _largest(
 
 def _distance(points: FloatArray, line: FloatArray) -> FloatArray:
     """Distance of points (n, 2) from the polyline through the points (k, 2) of `line`."""
-    start, edge = line[:-1], np.diff(line, axis=0)
-    offset = points[:, None, :] - start
-    share = np.clip(np.sum(offset * edge, axis=2) / np.sum(edge**2, axis=1), 0.0, 1.0)
-    return np.linalg.norm(offset - share[..., None] * edge, axis=2).min(axis=1)
+    # as complex numbers, of which a product is a dot product, too
+    places, vertices = points @ (1, 1j), line @ (1, 1j)
+    offset, edge = places[:, None] - vertices[:-1], np.diff(vertices)
+    share = np.clip((offset * edge.conj()).real / np.abs(edge) ** 2, 0.0, 1.0)
+    return np.asarray(np.abs(offset - share * edge).min(axis=1))

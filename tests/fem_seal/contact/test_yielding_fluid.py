@@ -35,6 +35,7 @@ from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.solution import largest_before
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
+from fem_seal.profile import PressureProfile
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
@@ -79,6 +80,24 @@ def relief(steps: int = SPRING_FIRST) -> LoadPath:
     pressures = (0.0, 200e5, 500e5, 200e5, 800e5, 100e5)
     loads = [PathLoad(spring, path=fluid, fluid_pressure=pressure) for pressure in pressures]
     return load_path(model, LAW, loads, settings=PlasticSettings(steps=steps), unload=False)
+
+
+def test_the_fluid_flows_over_metal_as_the_path_has_strained_it() -> None:
+    """In the last load step the flow sees the strain of the contact at its end, plastic strain included."""
+    model, spring = soft()
+    seen = []
+
+    def remember(profile: PressureProfile) -> PressureProfile:
+        seen.append(profile.strain)
+        return profile
+
+    fluid = replace(flowing("inner"), at_rest=remember)
+    loads = [PathLoad(spring, path=fluid, fluid_pressure=pressure) for pressure in (0.0, 200e5)]
+    path = load_path(model, LAW, loads, settings=PlasticSettings(steps=SPRING_FIRST), unload=False)
+    strain = path.contacts[-1].strain
+    assert strain is not None and np.abs(strain).max() > YIELD / E
+    assert seen[-1] == pytest.approx(strain, abs=1e-3 * np.abs(strain).max())
+    assert path.contacts[-1].unloading_model.path_strain == pytest.approx(strain, rel=1e-12)
 
 
 # ---------------------------------------------------------------- limits
