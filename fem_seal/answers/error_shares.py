@@ -71,13 +71,13 @@ class EarlierLoad:
     Parameters
     ----------
     force : float
-        With which it would have pressed, twice that of this load [N].
-    share : float
-        Leak rate after it over that on new faces [-].
+        With which it would have pressed, twice the largest of this load and of the tightening before it [N].
+    share : float or None
+        Leak rate after it over that without it [-]; None of bodies that yield, whose path it would take anew.
     """
 
     force: float
-    share: float
+    share: float | None
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class ErrorShares:
     measurements : sequence of Measurement
         What would narrow the interval, and to which factor, the narrowest first; empty without uncertain inputs.
     earlier_load : EarlierLoad or None
-        Of the highest load of faces that yield.
+        Of the highest load of faces or bodies that yield.
     """
 
     of_width: Mapping[str, float] = field(default_factory=dict)
@@ -274,6 +274,8 @@ def all_error_shares(seal: SolvedSeal, interval: LeakInterval | None) -> tuple[E
     interval : LeakInterval or None
         Of the uncertain inputs.
     """
+    if seal.case.bolts is not None and seal.case.bolts.torque_scatter > 0.0:
+        return (ErrorShares(),) * len(seal.loads)  # the ends of their preload have no share
     shares = tuple(error_shares(load, interval, number) for number, load in enumerate(seal.loads))
     log_peaks = np.log10([load.peak_pressure for load in seal.loads])
     draws = None if interval is None else Draws.of(interval, log_peaks)
@@ -351,32 +353,19 @@ def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
 def _with_earlier_load(
     shares: tuple[ErrorShares, ...], seal: SolvedSeal, solver: LoadSolver | None
 ) -> tuple[ErrorShares, ...]:
-    """The shares with what a load before that pressed twice as hard as the highest one leaves of its leak rate.
-
-    Of round seals on new faces that yield, whose bodies are elastic and whose flow is no simulation: it takes no time.
-    """
+    """The shares with what a load before that pressed twice as hard as the highest one leaves of its leak rate."""
     number, problem = highest_load(seal.loads), seal.problem
     load = seal.loads[number]
-    if (
-        solver is None
-        or problem.surface is None
-        or problem.surface.hardness is None
-        or problem.loads.earlier is not None
-        or problem.loads.unsolved_bolts is not None
-        or problem.follows_path
-        or load.is_simulated
-        or len(load.contacts) > 1
-        or load.leak is None
-        or not load.leak.leak_rate > 0.0
-    ):
+    remembers = problem.follows_path or (problem.surface is not None and problem.surface.hardness is not None)
+    told, leak = seal.case.load.earlier is not None, None if load.is_simulated else load.leak
+    if solver is None or told or not remembers or leak is None or not leak.leak_rate > 0.0:
         return shares
-    force = _HARDER * load.contact_force
+    force = _HARDER * max(contact.contact_force for contact in (load.contact, *load.contact.history))
     try:
-        after = replace(load, contact=load.contact.after(solver.solve(0.0, force))).leak
+        after = None if problem.follows_path else solver.after_force(load, force).leak
     except (SealError, LeakError):
         return shares  # nobody asked for that load
-    assert after is not None  # of a load that leaks
-    earlier_load = EarlierLoad(force, after.leak_rate / load.leak.leak_rate)
+    earlier_load = EarlierLoad(force, None if after is None else after.leak_rate / leak.leak_rate)
     return tuple(replace(x, earlier_load=earlier_load) if n == number else x for n, x in enumerate(shares))
 
 
@@ -387,8 +376,6 @@ ERROR_SHARES = Answer[tuple[ErrorShares, ...]](
         all_error_shares(seal, UNCERTAINTY.of(request.answers)), seal, request.solver
     ),
     (),
-    # the ends of the preload of bolts have no share, nor has one of two different faces
-    lambda seal, request: (
-        len(seal.case.contacts) == 1 and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
-    ),
+    # one of two different faces has no share
+    lambda seal, request: len(seal.case.contacts) == 1,
 )

@@ -280,6 +280,17 @@ class LoadSolver:
         circumference = self.problem.circumference(contact, fluid_pressure, circumference)
         return load_results(self.problem, [(fluid_pressure, force)], [contact], [circumference])[0]
 
+    def after_force(self, load: LoadResult, force: float) -> LoadResult:
+        """A load of elastic bodies after one without fluid that has pressed them with a force F_N [N].
+
+        Raises
+        ------
+        ConvergenceError
+        """
+        contact = load.contact.after(self.solve(0.0, force))
+        circumference = self.problem.circumference(contact, load.fluid_pressure, load.circumference)
+        return replace(load, contact=contact, circumference=circumference)
+
     def _solve_tightened(
         self, fluid_pressure: float, preload: float, progress: Progress | None
     ) -> tuple[ContactSolution, float]:

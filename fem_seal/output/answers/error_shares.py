@@ -116,8 +116,8 @@ def backing_in_brief(result: SealSolution) -> list[str]:
         *filter(None, [say(display, "error_shares", "backing", parts=parts, left_out=left_out, **given)])
     ]
     if sources is not None and sources.earlier_load is not None:
-        earlier = sources.earlier_load
-        lines.append(say(display, "error_shares", "backing_earlier", earlier=earlier, **given))
+        given |= {"earlier": sources.earlier_load, "bolted": result.case.bolts is not None}
+        lines.append(say(display, "error_shares", "backing_earlier", **given))
     return lines
 
 
