@@ -13,15 +13,17 @@ import argparse
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import calculix
+import calculix_ring
 import numpy as np
+import three_dimensional_seat
 from calculix_deck import Choices, deck
-from calculix_page import Accuracy, Row, Side, Warm, draw, write_page
+from calculix_page import Accuracy, OtherSeal, Row, Side, Warm, draw, write_page
 from case_to_profile import mesh_of, model_of, solutions
 from measured_process import Cost, measure_process
 
@@ -176,7 +178,8 @@ def main() -> int:
                 flush=True,
             )
         choices = choice_rows(folder)
-    write_page(HERE / "compare_calculix.md", version, rows, choices)
+        others = [yielding_ring(repeat, folder), *oval_seats(repeat, folder, quick=options.quick)]
+    write_page(HERE / "compare_calculix.md", version, rows, choices, others)
     draw(HERE / "compare_calculix.svg", rows)
     return 0
 
@@ -198,6 +201,39 @@ def choice_rows(folder: Path) -> list[tuple[str, Cost, Accuracy]]:
         cost, profiles, _ = run_calculix(case, seal_mesh, choices, folder, [1])
         rows.append((name, cost, accuracy(case, profiles)))
     return rows
+
+
+def yielding_ring(repeat: int, folder: Path) -> OtherSeal:
+    """A copper ring, pressed and released."""
+    command = [sys.executable, str(HERE / "calculix_ring.py"), "--own"]
+    seal_mesh = calculix_ring.mesh("plastic")
+    (theirs, cost), ours = (
+        calculix_ring.theirs("plastic", seal_mesh),
+        calculix_ring.own_measures("plastic", seal_mesh),
+    )
+    differences, hardest = theirs / ours - 1, int(np.argmax(calculix_ring.FORCES))
+    return OtherSeal(
+        f"copper ring, {seal_mesh.mesh.nelements} triangles, {len(calculix_ring.way())} steps",
+        best(repeat, partial(measure_process, command, folder)),
+        cost,
+        f"at 6 kN peak {differences[hardest, 0]:+.2%}, std {differences[hardest, 2]:+.2%}; std of all loads "
+        f"{differences[np.abs(differences[:, 2]).argmax(), 2]:+.2%}",
+    )
+
+
+def oval_seats(repeat: int, folder: Path, *, quick: bool) -> Iterator[OtherSeal]:
+    """A seat with two lobes, against solids of two sizes."""
+    amplitude = three_dimensional_seat.AMPLITUDES[1]
+    solids = three_dimensional_seat.SOLIDS[: 1 if quick else None]
+    comparison = three_dimensional_seat.compare(solids, (0.0, amplitude), repeat, folder)
+    for solid in solids:
+        load, peak = comparison.differences(solid, amplitude)
+        yield OtherSeal(
+            f"oval seat, A = {1e6 * amplitude:g} um, solids of {solid}",
+            comparison.process,
+            comparison.theirs[solid][amplitude].cost,
+            f"line load {load:+.2%}, peak {peak:+.2%}",
+        )
 
 
 if __name__ == "__main__":
