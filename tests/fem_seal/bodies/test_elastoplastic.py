@@ -367,8 +367,10 @@ def test_first_loading_of_several_forces_is_one_path() -> None:
     for share in (1.0, 0.83, 0.3):
         found, own, coarse = shared(share), direct(share), direct(share, 8)
         again = shared(share)
-        assert again.pressure == pytest.approx(found.pressure, rel=1e-9)
-        assert again.linear.compliance == pytest.approx(found.linear.compliance, rel=1e-6)
+        # from one step further on, and as well balanced
+        assert again.pressure == pytest.approx(found.pressure, rel=PlasticSettings().tolerance)
+        # linearised one iteration before the last
+        assert again.linear.compliance == pytest.approx(found.linear.compliance, rel=1e-4)
         assert found.contact_force == pytest.approx(own.contact_force, rel=1e-12)
         assert abs(found.profile.std - own.profile.std) <= abs(coarse.profile.std - own.profile.std)
         assert found.load_steps <= begun.load_steps + 6
