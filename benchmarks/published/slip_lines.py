@@ -182,8 +182,8 @@ def _press(wedge: Wedge, finer: float, pressures: list[float]) -> tuple[LoadPath
     # only what points along the axis is a load
     force = 2 * math.pi * RADIUS * LENGTH * wedge.contact[0] * YIELD
     loads = [PathLoad(float(pressure) * force) for pressure in pressures]
-    # a hundredth of a step of a hundredth
-    settings = PlasticSettings(smallest_step=0.01)
+    # a hundredth of a step of a hundredth, in balance to far less than that
+    settings = PlasticSettings(smallest_step=0.01, tolerance=1e-9)
     return load_path(model, HardContact(), loads, settings=settings, partial=True, unload=False), force
 
 

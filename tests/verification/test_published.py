@@ -13,14 +13,22 @@ import slip_lines
 import fem_seal
 
 SLOW = {"limit_loads", "sphere", "wedge"}
+SPEEDS = {"slowest lip", "fastest lip", "rest"}
 
 
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in published.MEASURES]
 )
 def test_numbers_are_found_once_more(name: str) -> None:
-    """On another processor meshes of gmsh differ, and numbers by some 1e-4."""
-    assert published.MEASURES[name]() == pytest.approx(published.read()[name], rel=1e-3)
+    """On another processor meshes of gmsh differ, and numbers by some 1e-4, but speeds, which are small differences."""
+    found, kept = published.MEASURES[name](), published.read()[name]
+    steady = kept.keys() - SPEEDS
+    assert {what: found[what] for what in steady} == pytest.approx(
+        {what: kept[what] for what in steady}, rel=1e-3
+    )
+    assert found.keys() == kept.keys()
+    assert {row.what: row.difference for row in published.rows(name, found) if not row.is_explained} == {}
+    assert found.get("rest", 0.0) < 0.01
 
 
 @pytest.mark.parametrize("name", list(published.MEASURES))
