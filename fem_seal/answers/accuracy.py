@@ -66,11 +66,6 @@ class Comparison:
         peak, fwhm = self.peak_pressure / base.peak_pressure - 1, self.fwhm / base.fwhm - 1
         return Comparison(self.name, peak, fwhm, self.std / base.std - 1, rate)
 
-    @property
-    def largest_change(self) -> float:
-        """Largest of the changes that a user asks for."""
-        return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
-
 
 @dataclass(frozen=True)
 class CoarserLoad:

@@ -137,25 +137,8 @@ _PLACES = 200
 _HARDER = 2.0
 
 
-@dataclass(frozen=True)
-class MeasuredProfiles:
-    """Line scans of all faces with a drawing's finish, one of each.
-
-    Parameters
-    ----------
-    length : float
-        Of the longest [m].
-    variance, prior_variance : float
-        Variance of ln h that they leave, and that of the finishes as they are, h the rms height [-].
-    """
-
-    length: float
-    variance: float
-    prior_variance: float
-
-
-def measured_profiles(case: Case) -> MeasuredProfiles | None:
-    """What line scans would say of the finishes of a case; None where there is none, or a rough face without.
+def finish_variance(case: Case) -> float | None:
+    """Variance of ln h of the finishes of a case, h the rms height; None where there is none, or a rough face without.
 
     Parameters
     ----------
@@ -173,7 +156,7 @@ def measured_profiles(case: Case) -> MeasuredProfiles | None:
     places = (np.arange(_PLACES) + 0.5) / _PLACES
     spreads = {key: table.finish.spreads["rms_height"].at(places) for key, table in faces.items()}
     spread = np.sum([scans.shares[key] * np.log(values) for key, values in spreads.items()], axis=0)
-    return MeasuredProfiles(scans.length, scans.scatter**2, float(spread.var())) if spread.any() else None
+    return float(spread.var()) if spread.any() else None
 
 
 @dataclass(frozen=True)
@@ -192,18 +175,18 @@ class _Outlook:
     scans: LineScans
 
     @cached_property
-    def profiles(self) -> MeasuredProfiles | None:
-        """Of a seal whose finishes leave the height open."""
+    def finish_variance(self) -> float | None:
+        """See the function; None unless the finishes of the seal leave the height open."""
         settings = self.seal.case.sampling
         skip = settings is None or "rms_height" in settings.spreads
-        return None if skip or "rms_height" not in self.draws.values else measured_profiles(self.seal.case)
+        return None if skip or "rms_height" not in self.draws.values else finish_variance(self.seal.case)
 
     @property
     def per_height(self) -> float:
         """By how much the uncertain ln h, of finishes the mean over the faces, changes with that of the gap."""
-        if self.profiles is None:
+        if self.finish_variance is None:
             return 1.0
-        return float(self.draws.values["rms_height"].std()) / math.sqrt(self.profiles.prior_variance)
+        return float(self.draws.values["rms_height"].std()) / math.sqrt(self.finish_variance)
 
     @cached_property
     def rows(self) -> list[tuple[str, dict[str, float], FloatArray]]:
@@ -253,7 +236,7 @@ class _Outlook:
 
     def _after_profiles(self, scan: Measurement, number: int) -> AfterProfiles | None:
         """After scans of faces with a finish."""
-        if self.profiles is None or scan.left is None:
+        if self.finish_variance is None or scan.left is None:
             return None
         draws, load = self.draws, self.seal.loads[number]
         rates, height = draws.log_rate[:, number], draws.values["rms_height"]

@@ -12,7 +12,7 @@ from sample_results import SPECTRUM, case, run_loads
 
 import fem_seal
 import leak
-from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
+from fem_seal.answers.error_shares import ErrorShares, error_shares, finish_variance
 from fem_seal.output.answers.error_shares import (
     _measurements_worth_it,
     measurement_in_brief,
@@ -173,6 +173,6 @@ def test_line_scans_scatter_in_height_as_foretold():
 
 
 def test_faces_that_are_no_finishes_have_no_profile_to_measure():
-    assert measured_profiles(case()) is None
+    assert finish_variance(case()) is None
     by_rq = {face: {"Rq": "0.2 um", "process": "lapped"} for face in ("seat", "closure")}
-    assert measured_profiles(case(roughness=by_rq)) is None
+    assert finish_variance(case(roughness=by_rq)) is None

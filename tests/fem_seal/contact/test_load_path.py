@@ -437,7 +437,7 @@ def test_the_far_field_matters_where_the_housing_is_small():
     ]
     # The default sizes are meant to be far enough away: 1e-5 of the peak, and the noise of another far mesh.
     assert max(abs(change.peak_pressure) for change in valve().far_field) < 1e-4
-    assert small.far_field[0].largest_change > 1e-3
+    assert abs(small.far_field[0].peak_pressure) > 1e-3
     # What is said is what a run with such a housing gives.
     wide = smooth_case(
         seat={**seat, "outer_radius": "32 mm", "height": "6 mm"}, load={"fluid_pressure": "200 bar"}
