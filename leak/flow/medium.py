@@ -335,15 +335,13 @@ def effective_gaps(
     n: float,
     aspect: float | FloatArray,
     inverse_knudsen: FloatArray,
-    *,
-    refinement: float = 1.0,
 ) -> tuple[FloatArray, FloatArray]:
     """`effective_gap`, shape (P,), and of a rarefied gas at given D = u_eff/l, of shape (m,), shape (P, m) [m].
 
     The latter is the uniform gap that would let as much through without rarefaction: the effective medium over the
     local conductivity u^3 f(u/l), f of `leak.flow.rarefied.flow_factor`, at lengths of flight l = eta v0/p_f.
     """
-    gaps = _gaps(loss, rms_height, refinement)
+    gaps = _gaps(loss, rms_height, 1.0)
     continuum = anisotropic_medium(*gaps, n, aspect)
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
     # about as much is let through as through the gap of the continuum alone, and as much more along as across

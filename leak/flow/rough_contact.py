@@ -384,7 +384,7 @@ class RoughContact:
     def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
         """Pressure at which the elastic surface has the gaps of the one that yields where it touches."""
         assert self.hardness is not None  # of all who ask
-        bearing, sealing = self._elastic_pressures
+        bearing, sealing = _bearing_and_sealing(self.elastic)
         if self._bulk_flow is not None:
             p = self._at_rest(p, self._bulk_flow)
             largest = None if largest is None else self._at_rest(largest, self._bulk_flow)
@@ -447,11 +447,6 @@ class RoughContact:
             ends = np.log(p[harder]), np.log(top[harder])
             result[harder] = np.exp(bisect_roots(lambda x: self._equivalent(np.exp(x)) < acts, *ends)[1])
         return result
-
-    @property
-    def _elastic_pressures(self) -> tuple[float, float]:
-        """What a capped surface asks of the elastic one: its bearing and its sealing pressure [Pa]."""
-        return _bearing_and_sealing(self.elastic)
 
     @cached_property
     def _low_pressure_law(self) -> LowPressureLaw:
@@ -740,7 +735,7 @@ class RoughContact:
         return _scalar(np.asarray(self.effective_separation(pressure, method)) ** 3 / (12.0 * eta))
 
     def rarefied_separation(
-        self, pressure: FloatArray, log_inverse_knudsen: FloatArray, *, refinement: float = 1.0
+        self, pressure: FloatArray, log_inverse_knudsen: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """u_eff of the effective medium [m], and ln R of `GasConductivityTable`, not finite where it is sealed.
 
@@ -750,8 +745,6 @@ class RoughContact:
             Nominal contact pressures between zero and the hardness, shape (n,) [Pa].
         log_inverse_knudsen : ndarray
             ln D_eff, shape (m,).
-        refinement : float
-            See `effective_separation`.
 
         Returns
         -------
@@ -762,10 +755,8 @@ class RoughContact:
         u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
         for part in _parts(np.arange(pressure.size)):
             equivalent = self.equivalent_pressure(pressure[part])
-            loss, aspect = self._channels(equivalent, self._roughness_at(equivalent), refinement)
-            u[part], gas = medium.effective_gaps(
-                loss, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
-            )
+            loss, aspect = self._channels(equivalent, self._roughness_at(equivalent), 1.0)
+            u[part], gas = medium.effective_gaps(loss, height, n, aspect, np.exp(log_inverse_knudsen))
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_R[part] = 3.0 * np.log(gas / u[part, None]) - log_flow_factor(log_inverse_knudsen)
         return u, log_R
