@@ -447,7 +447,9 @@ class DissectedBody:
         self, inverse: FloatArray, solve_turned: Callable[[FloatArray], FloatArray]
     ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """Compliance along the normals, and a solver without turned nodes, from those of the dissection."""
-        (radial, axial), (n_r, n_z) = (self._turned_rows, self.fem.normal[:, self._turned_nodes][..., None])
+        turned = self._turned_nodes
+        radial, axial = self.fem.free_rows[self.fem.contact_dofs[:, turned]]
+        n_r, n_z = self.fem.normal[:, turned][..., None]
 
         def solve(forces: FloatArray) -> FloatArray:
             local = forces.reshape(len(forces), -1).copy()
@@ -476,11 +478,6 @@ class DissectedBody:
     def _turned_nodes(self) -> BoolArray:
         """Which contact nodes can move both ways, shape (n,)."""
         return np.all(self.fem.free_rows[self.fem.contact_dofs] >= 0, axis=0)
-
-    @property
-    def _turned_rows(self) -> IntArray:
-        """Rows of the free dofs that are turned to normal and tangent, shape (2, turned)."""
-        return self.fem.free_rows[self.fem.contact_dofs[:, self._turned_nodes]]
 
     @cached_property
     def _elements_of_turned_nodes(self) -> BoolArray:

@@ -148,11 +148,10 @@ def _show_remarks(designs: Designs) -> None:
 def _show_best(designs: Designs) -> None:
     """Print the best designs side by side, as many as fit; numbers are never cut."""
     from fem_seal.studies.display import DesignDisplay
-    from fem_seal.studies.page import left_out_sentence
 
     display, numbers = DesignDisplay(designs), designs.best(_BEST)
     if designs.about["goals"] and designs.left_out:
-        say(f"{left_out_sentence(display)}.")
+        say(f"{display.words.outside_left_out(designs.left_out)}.")
     if not numbers:
         return
     lines = {"design": [str(number) for number in numbers], **display.describe(numbers)}

@@ -248,7 +248,8 @@ class LocalContact:
             return self.at_mean
         v = float(self._over_mean(np.array([line_load]))[0])
         k = min(self._rungs, key=lambda k: abs(_STEP * k - v))
-        return self._solve_near(self.mean.contact_force * line_load / self.mean.line_load, self._rungs[k])
+        start, force = self._rungs[k], self.mean.contact_force * line_load / self.mean.line_load
+        return solve(start.model, self.law, contact_force=force, loads=start.loads, start=start)
 
     def _logarithm(
         self,
@@ -364,9 +365,6 @@ class LocalContact:
             log_pressure=weights @ np.stack([contact.log_pressure for contact in rungs]),
             approach=float(weights @ np.array([contact.approach for contact in rungs])),
         )
-
-    def _solve_near(self, contact_force: float, start: ContactSolution) -> ContactSolution:
-        return solve(start.model, self.law, contact_force=contact_force, loads=start.loads, start=start)
 
     def _bend_peaks(self, contacts: Sequence[ContactSolution]) -> list[float]:
         """Change of ln p_peak of contacts for each 1/m by which the gap is bent [m]."""

@@ -383,14 +383,12 @@ def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
 
 def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Three Gauss points on each contact facet of the seat, their weights over x, and the ends of the facets."""
-    vertices = np.unique(seal_mesh.contact.coordinate(*_boundary_vertices(seal_mesh.seat, "seat_contact")))
+    seat = seal_mesh.seat
+    on_contact = np.unique(seat.facets[:, (seat.boundaries or {})["seat_contact"]])
+    vertices = np.unique(seal_mesh.contact.coordinate(*seat.p[:, on_contact]))
     middle, half = 0.5 * (vertices[1:] + vertices[:-1]), 0.5 * np.diff(vertices)
     points, weights = gauss(3)
     return (middle[:, None] + half[:, None] * points).ravel(), (half[:, None] * weights).ravel(), vertices
-
-
-def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
-    return mesh.p[:, np.unique(mesh.facets[:, (mesh.boundaries or {})[boundary]])]
 
 
 def _condense_body(fem: ConstrainedBody) -> CondensedBody:

@@ -20,7 +20,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import LoadResult, MissingLoad
-from fem_seal.seal.scenarios import force_column, leak_rate_column
+from fem_seal.seal.scenarios import leak_rate_column
 from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, format_digits, split_unit, trim_zeros
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ _OF: dict[str, Callable[[CaseLoad], float | None]] = {
         leak_rate_column(scenario): partial(_in_scenario, scenario, "leak.leak_rate")
         for scenario in ("elastic", "conserved", "capped", "corrected", "paper")
     },
-    force_column("capped"): partial(_in_scenario, "capped", "force_for_target"),
+    "force_for_target_leak_capped_N": partial(_in_scenario, "capped", "force_for_target"),
     "critical_separation_elastic_m": partial(_in_scenario, "elastic", "critical_separation"),
     "leak_rate_round_m3_per_s": lambda load: (
         None if load.circumference is None else _follow("leak_round.leak_rate", load)

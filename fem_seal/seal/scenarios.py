@@ -88,17 +88,6 @@ def leak_rate_column(scenario: str) -> str:
     return f"leak_rate_{scenario}_m3_per_s"
 
 
-def force_column(scenario: str) -> str:
-    """Column of the force for a target leak rate in a scenario.
-
-    Parameters
-    ----------
-    scenario : str
-        Its name.
-    """
-    return f"force_for_target_leak_{scenario}_N"
-
-
 @dataclass(frozen=True)
 class Scenario:
     """One seal in one state of knowledge: one theory, one surface, one fluid, one history.

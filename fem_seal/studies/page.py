@@ -280,11 +280,6 @@ def edge_sentence(display: DesignDisplay) -> str:
     return str(display.words.at_edge(list(map(display.title, display.designs.parameters_at_edge))))
 
 
-def left_out_sentence(display: DesignDisplay) -> str:
-    """How many designs are left out, as a sentence without its point."""
-    return str(display.words.outside_left_out(display.designs.left_out))
-
-
 def _sensitivity_sections(display: DesignDisplay) -> Iterator[StudySection]:
     """Those of the main output open."""
     designs = display.designs
