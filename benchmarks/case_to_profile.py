@@ -2,12 +2,18 @@
 
 CONTACT_SIZE is the element size along the contact line [m], 0 for the one that fem-seal chooses.
 """
+# ruff: noqa: E402
 
 from __future__ import annotations
 
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from fem_seal.__main__ import postpone_unused_imports
+
+# as the command fem-seal starts
+postpone_unused_imports()
 
 import sys
 from collections.abc import Sequence
