@@ -145,6 +145,12 @@ def number_of(tile):
     return float(number[0]) if number else math.nan
 
 
+def without_second_mesh(load):
+    """A load as it is known before its mesh is judged."""
+    cautions = tuple(one for one in load.validity.cautions if one.entry != "mesh")
+    return replace(load, mesh_error=None, validity=replace(load.validity, cautions=cautions))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("example", [*sorted(path.stem for path in EXAMPLES.glob("*.toml")), *ASKED])
 def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
@@ -152,16 +158,18 @@ def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
     live = screen_of_page(session)
     run = fem_seal.run(session.case({}), sensitivities=False)
     rests = complete_screen(session.design({}), run)
-    # the page has no second mesh, by which the interval of a run is wider
-    alike = replace(run, loads=tuple(replace(load, mesh_error=None) for load in run.loads))
-    loads = {
-        (one.applied_force, one.values["fluid_pressure_Pa"]): one
-        for one in complete_screen(session.design({}), alike).loads
-    }
+    # the page has no second mesh, which judges a run and by which its interval is wider
+    alike = replace(run, loads=tuple(without_second_mesh(load) for load in run.loads))
+    loads = complete_screen(session.design({}), alike).loads
     # what its inputs leave open widens the interval later, and no verdict comes before
     names = [name for name in FIELDS if not (live.widens and name in LEAK[1:])]
     for one in live.loads:
-        then = loads[one.applied_force, one.values["fluid_pressure_Pa"]]
+        # the force of bolts that hold a fluid is a result, and that of the page's mesh
+        then = min(
+            (load for load in loads if load.values["fluid_pressure_Pa"] == one.values["fluid_pressure_Pa"]),
+            key=lambda load: abs(load.applied_force - one.applied_force),
+        )
+        assert one.applied_force == pytest.approx(then.applied_force, rel=1e-4)
         expected = {name: then.values[name] for name in names}
         assert {name: one.values[name] for name in names} == pytest.approx(expected, rel=1e-2, nan_ok=True)
         # a design that does not follow the sliders is shown when its mesh is judged, too

@@ -193,7 +193,7 @@ def test_interval_with_tight_samples():
 def test_tight_samples_make_a_result_doubtful(row, words):
     found, _ = changed(0, **row)
     load = result().loads[-1]
-    cautions = list(_direct_cautions(found, load, result().loads))
+    cautions = list(_direct_cautions(found, load, result().loads, result().surface))
     assert words in " ".join(caution.reason() for caution in cautions)
     assert not any(re.search(r"\b(nan|inf)\b", caution.text()) for caution in cautions)
 

@@ -274,6 +274,7 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
                 "leak_rate_capped_m3_per_s",
                 "leak_rate_paper_m3_per_s",
                 "leak_rate_corrected_m3_per_s",
+                "leak_rate_crests_m3_per_s",
                 "leak_rate_per_length_m2_per_s",
                 "leak_rate_per_length_kg_per_m_s",
             ],
