@@ -527,10 +527,7 @@ def test_beyond_a_table_of_the_library_its_end_is_kept_with_a_word() -> None:
     # expansion counts where the bodies grow differently
     assert "hot thermal_expansion, seat" not in said
     grown = said_of(hot(seat="stellite 6"))
-    assert (
-        "from 20 degC to 100 degC; the value at 100 degC, 11.4e-6 1/K"
-        in grown["hot thermal_expansion, seat"][1]
-    )
+    assert "from 20 degC to 100 degC: 11.4e-6 1/K" in grown["hot thermal_expansion, seat"][1]
 
 
 def test_a_number_of_ones_own_without_a_temperature_is_a_remark() -> None:
