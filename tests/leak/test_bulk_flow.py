@@ -140,6 +140,7 @@ def test_seals_where_the_simulation_does(level: float):
     assert max(ratios) < 1.3
 
 
+@pytest.mark.slow
 def test_faces_with_a_lay_are_met():
     """Strained along the lay and across it, three and five times as long as wide: areas within 15 %."""
     of = [state for state in bulk_flow.states() if state.path[0] != "1"]

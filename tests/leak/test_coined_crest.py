@@ -158,6 +158,7 @@ def test_tables_remember_with_and_without_a_thread_and_for_gases() -> None:
         assert table.first_loading(p, largest) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_crests_lost_in_the_roughness_have_its_memory() -> None:
     p, largest = np.array([2e7, 6e7]), 2e8
     fine = leak.PowerSpectrum.self_affine(

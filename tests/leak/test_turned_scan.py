@@ -102,6 +102,7 @@ def test_groove_that_is_no_parabola_has_its_slope():
     assert recognised(turned_scan()).parabola_deviation == 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(
     shift=st.integers(0, 150),
@@ -135,6 +136,7 @@ def test_map_lies_as_it_will(angle):
     assert found.fine.rms_height == pytest.approx(1e-7, rel=0.15)
 
 
+@pytest.mark.slow
 def test_random_surfaces_are_not_turned():
     """Self-affine profiles, and waves of narrow spectra from 0.1 to 30 % wide, of which four to eighty fit in."""
     for seed in range(60):

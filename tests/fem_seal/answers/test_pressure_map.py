@@ -87,6 +87,7 @@ P = 100.0 * np.exp(-0.5 * ((R - 14.3e-3) / 0.08e-3) ** 2)
 FLAT, TRIANGLES = ring(R, 0.0 * R), grid(25, 90, closed=True)
 
 
+@pytest.mark.slow
 def test_same_contact_by_run_profile_and_map(tmp_path: Path) -> None:
     solved = ball_on_cone()
     (load,) = solved.loads

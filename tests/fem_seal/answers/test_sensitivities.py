@@ -113,6 +113,7 @@ def test_strongest_sensitivities_are_told_with_both_readings():
     }
 
 
+@pytest.mark.slow
 def test_nothing_below_three_per_cent_is_shown():
     _, known = found()
     one = known["force"]

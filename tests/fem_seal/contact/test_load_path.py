@@ -184,6 +184,7 @@ def test_without_a_spring_the_fluid_in_the_bore_is_refused():
 # ---------------------------------------------------------------- inverse questions
 
 
+@pytest.mark.slow
 def test_the_force_for_a_target_leaks_the_target():
     table = valve().table
     row = table.iloc[2]

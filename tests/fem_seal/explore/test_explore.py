@@ -99,6 +99,7 @@ def columns(result, load):
     return {name: float(result.table[name].iloc[load]) for name in FIELDS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rated_pressure", "word"), [("40 bar", "pass"), ("1000 bar", "fail")])
 def test_service_loads_that_pass_decide_nothing_before_the_tests_of_the_standard(
     rated_pressure, word, tmp_path

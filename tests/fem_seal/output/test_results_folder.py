@@ -159,6 +159,7 @@ def _killed():
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 
 
+@pytest.mark.slow
 @posix
 def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, dying, tmp_path, monkeypatch):
     """A process is killed, by SIGKILL, before each thing that it does to a file, from the first to the last."""

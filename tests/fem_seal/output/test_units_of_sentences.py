@@ -73,6 +73,7 @@ def test_a_run_speaks_in_the_units_of_its_case(example, system, tmp_path, capsys
     assert foreign(lines, system) == []
 
 
+@pytest.mark.slow
 def test_a_study_speaks_in_the_units_of_its_case(tmp_path, capsys):
     changes = {
         "report.units": "US",

@@ -259,6 +259,7 @@ def test_the_way_to_the_stop_does_not_depend_on_the_force_behind_it() -> None:
 # ---------------------------------------------------------------- solved again
 
 
+@pytest.mark.slow
 def test_with_other_surfaces_the_gasket_keeps_its_compression() -> None:
     """Higher asperities take more of it, and the ring is pressed harder."""
     for found in (elastic(), yielding()):
@@ -330,6 +331,7 @@ def test_a_scratch_leaks_at_the_stop_as_under_the_force_of_the_gasket() -> None:
     assert at.leak.leak_rate == pytest.approx(free.leak.leak_rate, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_study_compares_stops() -> None:
     tables = {
         "parameters": {"gasket.stop": ["2 um", "3 um", "4 um"]},

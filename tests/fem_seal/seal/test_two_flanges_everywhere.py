@@ -181,6 +181,7 @@ def test_the_share_that_passes_is_that_of_the_mean_of_both_faces() -> None:
     assert found is not None and found.share == pytest.approx(0.5, abs=0.06)
 
 
+@pytest.mark.slow
 def test_the_force_for_a_target_is_that_of_alike_faces_and_of_the_mean() -> None:
     target = 0.5 * rates(seal_of(UPPER))[0]
     (alike,) = contacts_at_target(problems_of(UPPER), target)
