@@ -23,6 +23,7 @@ from fem_seal.explore.choices import apply_choice
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.figures import leak_figure, section_figure
 from fem_seal.explore.live import SOURCE, live_loads, live_screen, solve_live_loads
+from fem_seal.explore.page import elements
 from fem_seal.explore.screen import FIELDS, Screen, ShownDesign, lost_words, numbers_of, validity_words
 from fem_seal.explore.session import Session
 from fem_seal.explore.worker import (
@@ -34,6 +35,7 @@ from fem_seal.explore.worker import (
     complete_screen,
     with_sensitivities,
 )
+from fem_seal.output.answer_output import Tile
 from fem_seal.output.report.brief import first_line
 from fem_seal.seal.keyed_store import KeyedStore
 from fem_seal.seal.problem import SealProblem
@@ -92,6 +94,15 @@ def written(session, tmp_path_factory):
 @pytest.fixture(scope="module")
 def run(written):
     return fem_seal.run(written)
+
+
+def test_a_pinned_design_may_lack_a_number_of_the_complete_one():
+    """Tiles of what is sampled come with the complete run, whose pinned design is not sampled yet."""
+    screen = Session(case_with(requirement={"leak_rate": "1 ml/min"})).answer({})
+    passes = replace(screen, tiles=(*screen.tiles, Tile("Passes", "99 %", "of the samples", 15, "valid")))
+    now, pinned = ShownDesign(passes, "now", "#123456"), ShownDesign(screen, "A", "#654321")
+    table = str(elements("compare", now=now, pinned=[pinned], rows={}, most=3))
+    assert "Passes" in table and "99 %" in table and "–" in table
 
 
 def columns(result, load):
