@@ -113,7 +113,7 @@ def browser(address):
 @pytest.fixture(autouse=True)
 def begun_anew(browser, address):
     """Every test begins with the case of the page, nothing pinned, whatever others have left."""
-    browser.find_element("id", "reset").click()
+    click(browser, "#reset")
     # a page that is opened again has the case that was there last
     waited(browser, "return document.querySelector('input[id*=seat_angle]')?.value === '45 deg'")
     numbers(browser, pressure="20 bar", at_rest=False)
@@ -125,6 +125,20 @@ def begun_anew(browser, address):
     waited(
         browser, "return document.querySelector('[role=slider]') && document.querySelector('.main-svg') && 1"
     )
+
+
+def click(browser, selector):
+    """Click on an element, once the page that numbers still move has it where the click goes."""
+    from selenium.common.exceptions import ElementClickInterceptedException, StaleElementReferenceException
+
+    end = time.monotonic() + _PATIENCE
+    while True:
+        try:
+            return browser.find_element("css selector", selector).click()
+        except (ElementClickInterceptedException, StaleElementReferenceException):
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.05)
 
 
 def waited(browser, script, *arguments):
@@ -166,7 +180,7 @@ def shown_by(result):
 
 def test_the_page_shows_what_a_run_gives_and_writes_it(browser, folder):
     first = numbers(browser, pressure="20 bar", at_rest=False)
-    browser.find_element("id", "pin").click()
+    click(browser, "#pin")
     waited(browser, "return document.querySelector('#slider-fluid_pressure [role=slider]') && 1")
     thumb = browser.find_element("css selector", "#slider-fluid_pressure [role=slider]")
     for _ in range(5):
@@ -178,7 +192,7 @@ def test_the_page_shows_what_a_run_gives_and_writes_it(browser, folder):
     rows = waited(browser, "return [...document.querySelectorAll('#compare tr')].map(row => row.innerText)")
     assert any("24.5 bar" in row and "20 bar" in row for row in rows)
 
-    browser.find_element("id", "write").click()
+    click(browser, "#write")
     written = fem_seal.run(written_case(browser, folder))
     assert moved == pytest.approx(shown_by(written), rel=1e-9)
     word = browser.execute_script("return document.getElementById('verdict-word').textContent")
@@ -249,7 +263,7 @@ def test_each_wrong_field_keeps_its_text_and_its_message(browser, folder):
     )
 
     # what is written is what the numbers belong to, and says so
-    browser.find_element("id", "write").click()
+    click(browser, "#write")
     assert written_case(browser, folder).load.fluid_pressure == (24.5e5,)
     written = browser.find_element("id", "said").text
     assert 'Not taken: fluid pressure = "20 mm"' in written
@@ -263,7 +277,7 @@ def test_each_wrong_field_keeps_its_text_and_its_message(browser, folder):
     numbers(browser, pressure="30 bar", at_rest=False)
     field = browser.find_element("css selector", "input[id*=finish_spectrum]")
     assert field.get_attribute("value") == "fine"
-    browser.find_element("id", "reset").click()
+    click(browser, "#reset")
     waited(browser, "return document.getElementById('problem').innerText === ''")
     assert wrong_fields(browser) == {}
     # the controls are made anew
@@ -279,9 +293,9 @@ def chosen(browser, body):
 @pytest.mark.slow
 def test_a_case_is_made_by_choosing_and_taken_back(browser):
     numbers(browser, pressure="20 bar")
-    browser.find_element("id", "pin").click()
+    click(browser, "#pin")
     assert (chosen(browser, "closure"), chosen(browser, "seat")) == ("ball", "cone")
-    browser.find_element("css selector", "button[id*='seat.sharp-edge']").click()
+    click(browser, "button[id*='seat.sharp-edge']")
     waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]')")
     waited(browser, "return document.querySelector('#slider-seat_bore_radius') && 1")
     choice = "window.dash_clientside.set_props({kind: 'choice', key: 'report.units'}, {value: 'US'})"
@@ -289,15 +303,15 @@ def test_a_case_is_made_by_choosing_and_taken_back(browser):
     waited(browser, "return document.getElementById('numbers').innerText.includes('ksi')")
     field = browser.find_element("css selector", "input[id*=fluid_pressure]")
     assert field.get_attribute("value") == "290.075 psi"
-    browser.find_element("id", "undo").click()
+    click(browser, "#undo")
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
     assert chosen(browser, "seat") == "edge of the bore"
-    browser.find_element("id", "undo").click()
+    click(browser, "#undo")
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
-    browser.find_element("id", "redo").click()
+    click(browser, "#redo")
     waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]')")
-    browser.find_element("id", "reset").click()
+    click(browser, "#reset")
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
 
 
@@ -404,7 +418,7 @@ window.dash_clientside.set_props("dark", {data: arguments[1]});
 
 
 def test_no_click_is_lost_when_pinned_designs_are_drawn_anew(browser):
-    browser.find_element("id", "pin").click()
+    click(browser, "#pin")
     waited(browser, f"return {_PINNED} === 1")
     enter(browser, "fluid_pressure", "24 bar")
     numbers(browser, pressure="24 bar", at_rest=False)
@@ -416,15 +430,15 @@ def test_no_click_is_lost_when_pinned_designs_are_drawn_anew(browser):
 
 def test_buttons_of_pinned_designs_stay_while_the_table_follows(browser):
     """Made anew between press and release they would get no click."""
-    browser.find_element("id", "pin").click()
+    click(browser, "#pin")
     waited(browser, f"return {_PINNED} === 1")
     browser.execute_script("window.held = document.querySelector('#pinned button[id*=take]')")
     enter(browser, "fluid_pressure", "24 bar")
     waited(browser, "return document.getElementById('compare').innerText.includes('24 bar')")
     assert browser.execute_script("return window.held.isConnected")
-    browser.find_element("css selector", "#pinned button[id*=take]").click()
+    click(browser, "#pinned button[id*=take]")
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
-    browser.find_element("css selector", "#pinned button[id*=remove]").click()
+    click(browser, "#pinned button[id*=remove]")
     waited(browser, f"return {_PINNED} === 0")
 
 
@@ -433,7 +447,7 @@ def test_a_case_file_is_that_of_the_sliders_before_they_are_answered(browser, fo
     browser.execute_script("window.onItsWay = {number: 1e9, since: Date.now() + 1e9, answered: 0}")
     enter(browser, "fluid_pressure", "24 bar")
     waited(browser, "return window.present.fluid_pressure === '24 bar'")
-    browser.find_element("id", "write").click()
+    click(browser, "#write")
     said = waited(browser, "return document.getElementById('said').innerText")
     browser.execute_script("window.onItsWay = undefined")
     assert '"24 bar"' in (folder / re.search(r"Written: (.+?\.toml)", said)[1]).read_text(encoding="utf-8")
@@ -470,7 +484,7 @@ def workers(page):
 def test_killed_processes_are_replaced_and_a_report_is_made_all_the_same(browser, page, folder):
     killed = workers(page[0])
     assert len(killed) == 2
-    browser.find_element("id", "report").click()
+    click(browser, "#report")
     waited(browser, "return document.getElementById('report-said').innerText.includes('is being made')")
     for one in killed:
         os.kill(one, signal.SIGKILL)
@@ -496,7 +510,7 @@ def test_a_material_is_found_by_typing_and_chosen_by_keyboard(browser):
     # the picker closes, and the numbers are those of the new seat
     waited(browser, "return !document.querySelector('.dash-dropdown-content')")
     numbers(browser, pressure="20 bar", at_rest=False)
-    browser.find_element("id", "undo").click()
+    click(browser, "#undo")
     waited(browser, f"return {material} === arguments[0]", first)
 
 
@@ -516,5 +530,5 @@ def test_of_two_choices_at_once_both_are_taken(browser):
     waited(browser, "return document.getElementById('numbers').innerText.includes('ksi')")
     assert waited(browser, f"return {material}").startswith("316L")
     assert browser.find_element("css selector", "button[id*='fluid.name']").text == "diesel"
-    browser.find_element("id", "undo").click()
+    click(browser, "#undo")
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
