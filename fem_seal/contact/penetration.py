@@ -423,7 +423,7 @@ def solve_penetration(
         "penetration",
         _SHARES[-1],
     )
-    # where the fluid ends that comes up to a place depends on where it comes from
+    # the front of a fluid that does not flow is the first that the search meets: it begins without any fluid
     if start is not None and not isinstance(seal.path, FluidAtContact):
         with suppress(OpenSealError, ConvergenceError):
             unknowns = seal.path.unknowns_of(start.whole_profile, fluid_pressure)

@@ -281,7 +281,13 @@ class LoadSolver:
         return load_results(self.problem, [(fluid_pressure, force)], [contact], [circumference])[0]
 
     def after_force(self, load: LoadResult, force: float) -> LoadResult:
-        """A load of elastic bodies after one without fluid that has pressed them with a force F_N [N].
+        """A load of elastic bodies after one without fluid that has pressed them harder.
+
+        Parameters
+        ----------
+        load : LoadResult
+        force : float
+            F_N of the earlier load [N].
 
         Raises
         ------
