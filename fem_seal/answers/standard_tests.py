@@ -227,7 +227,9 @@ def _up_to_opening(seal: SolvedSeal, request: Request) -> SetPressure:
             key: requirement[key] for key in requirement if key == "bubble_volume"
         }
     solved_seal, loads = _solve_loads(Case(**{**tables, "load": load}), "", request)
-    opens = solved_seal.loads[-1].blow_off_pressure
+    # as beside the case's own loads, of which bodies that yield keep what they have gone through
+    own = [load for load in seal.loads if load.applied_force == force]
+    opens = (own or solved_seal.loads)[-1].blow_off_pressure
     return SetPressure(pressure, case.initial_contact_radius, force, opens, loads)
 
 

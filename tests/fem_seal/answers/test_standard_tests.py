@@ -7,12 +7,14 @@ import json
 import math
 
 import pytest
+from places import EXAMPLES
 
 import fem_seal
 from fem_seal import InputError, load_case
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.standard_tests import under_test
-from fem_seal.output.answers.standard_tests import in_words, standard_in_brief
+from fem_seal.output.answers.standard_tests import in_words, spring_in_words, standard_in_brief
+from fem_seal.output.report.brief import loads_in_brief
 from fem_seal.output.tables import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from leak.standards import STANDARDS
 
@@ -118,6 +120,16 @@ def test_spring_and_set_pressure_are_force_over_area(relief) -> None:
     larger = load_case(RELIEF).replace({"closure.radius": "10 mm"})
     assert larger.load.applied_force == pytest.approx(4.0 * found.force)
     assert load_case(VALVE).set_pressure is None
+
+
+@pytest.mark.slow
+def test_a_seat_that_yields_opens_where_the_table_says() -> None:
+    case = load_case(EXAMPLES / "relief_valve_350_bar.toml")
+    found = fem_seal.run(case.replace_written({"load.applied_force": None, "load.set_pressure": "450 bar"}))
+    assert found.set_pressure.opens == found.loads[-1].blow_off_pressure
+    opens = f"{found.set_pressure.opens / 1e5:.3g} bar"
+    assert f"the valve opens at {opens}." in spring_in_words(found)
+    assert opens.split()[0] in " ".join(loads_in_brief(found.case, found.every_load)[0].rows[-1])
 
 
 def test_the_leak_grows_up_to_the_set_pressure(relief) -> None:
