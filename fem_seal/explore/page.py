@@ -426,6 +426,7 @@ def _choose(app: Dash, answers: Answers) -> None:
         else:
             design = validate(Design, back, "back")
             session = _session(answers, design)
+        answers.newest = session
         return *_shown_controls(session, design, message), {}
 
 

@@ -302,6 +302,7 @@ class Answers:
     """
 
     def __init__(self, session: Session, calculate: Calculate | None = None) -> None:
+        # that of the command, and that with which a page begins that is opened again
         self.session = self.newest = session
         self._sessions = {"": session}
         self._calculate = calculate or self._calculate_apart
@@ -373,8 +374,6 @@ class Answers:
             Of its question, counted up.
         """
         with self._lock:
-            # with which a page begins that is opened again
-            self.newest = self.of(design)
             self._newest[page] = max(number, self._newest.get(page, 0))
         with self._answer_lock:
             return self.screen(design) if number >= self._newest[page] else None

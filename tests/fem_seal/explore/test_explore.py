@@ -644,7 +644,7 @@ def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
         serve(session.base_design, EXAMPLES, 0, print, print)
 
 
-def callback(client, output, values):
+def callback(client, output, values, changed="asked.data"):
     """Answer of a callback of the page: those of its inputs that are named, and nothing else."""
     asks = asked(client, "/_dash-dependencies").json
     one = next(one for one in asks if output in one["output"] and not one["clientside_function"])
@@ -665,7 +665,7 @@ def callback(client, output, values):
         "outputs": [named(each) for each in one["output"].strip(".").split("...")],
         "inputs": [filled(part) for part in one["inputs"]],
         "state": [filled(part) for part in one["state"]],
-        "changedPropIds": ["asked.data"],
+        "changedPropIds": [changed],
     }
     answer = asked(client, "/_dash-update-component", method="POST", json=body)
     assert answer.status_code == 200, answer.text
@@ -727,6 +727,19 @@ def test_a_page_begins_with_the_first_numbers_and_draws_them_once(session):
     again = callback(client, "graph-section.figure", {**values, "dark": False})
     assert [*again] == ["shown"]
     assert "graph-section" in callback(client, "graph-section.figure", {**values, "dark": True})
+
+
+def test_a_page_that_is_opened_again_has_the_case_of_its_controls(session):
+    answers = alone(session)
+    client, other = client_of(session, answers=answers), answers.open_case(case_with(title="other"))
+    present = {"page": "1", "number": 1, "design": session.design({}), "wrong": {}}
+    callback(client, "controls.children", {"back": other.design({}), "present": present}, "back.data")
+    assert answers.newest is other
+    callback(client, "controls.children", {"reset": 1, "present": present}, "reset.n_clicks")
+    assert answers.newest is session
+    # what was asked of the other case before may come later
+    answers.answer(other.design({}), "1", 1)
+    assert answers.newest is session
 
 
 def parts_of(element):
