@@ -247,19 +247,24 @@ class LeakCurve:
     def _remaining_share(self, line_load: FloatArray, before: Circumference) -> tuple[FloatArray, LeakResult]:
         """What is left of the leak rate of first loading at each angle, and the flow where most leaks.
 
-        It is a smooth function of the line loads now and before, interpolated on a lattice in both logarithms.
+        It is a smooth function of the line load now and of how far the one before was above it, and one where it was
+        not: interpolated on a lattice in the logarithms of both.
         """
         loads = ((line_load, self.local.mean), (before.line_load, before.local.mean))
         with np.errstate(divide="ignore"):
-            v = np.stack([np.log(load / mean.line_load) for load, mean in loads])
-        v = np.maximum(v, -_FINE * _STEP) / _LATTICE
-        below = np.floor(v)
+            v, v_before = (np.maximum(np.log(load / mean.line_load), -_FINE * _STEP) for load, mean in loads)
+        apart = math.log(before.local.mean.line_load / self.local.mean.line_load)
+        at = np.stack([v, np.maximum(v_before + apart - v, 0.0)]) / _LATTICE
+        below = np.floor(at)
         log_share, flows = np.zeros(line_load.shape), []
         for corner in product((0.0, 1.0), repeat=2):
             step = np.array(corner)[:, None]
-            weight = np.prod(np.where(step == 1.0, v - below, 1.0 - (v - below)), axis=0)
+            weight = np.prod(np.where(step == 1.0, at - below, 1.0 - (at - below)), axis=0)
             places, place_of = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
-            corner_flows = [self._flow_after_load(float(a), float(b), before.local) for a, b in places.T]
+            corner_flows = [
+                self._flow_after_load(float(a), float(a + above - apart), before.local)
+                for a, above in places.T
+            ]
             firsts = [self._flow_at(float(f)).leak_rate for f in places[0]]
             shares = [
                 flow.leak_rate / first if first > 0 else 1.0

@@ -27,6 +27,7 @@ from fem_seal.output.pictures.leak import memory_picture
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
+from fem_seal.seal.circumference import LeakCurve
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
@@ -237,6 +238,17 @@ def test_every_place_of_the_circumference_remembers_its_own_load() -> None:
     first = first_loading(oval()).scenarios[Reading.CAPPED]
     assert load.leak.leak_rate < 0.8 * first.leak.leak_rate  # type: ignore[union-attr]
     assert first.circumference is not None and first.circumference.before is None
+
+
+def test_an_earlier_load_as_large_as_the_present_one_is_first_loading_at_every_angle() -> None:
+    load = oval().scenarios[Reading.CAPPED]
+    assert load.rough is not None and load.circumference is not None and load.circumference.before is not None
+    before, flow = load.circumference.before, load.rough.at(load.fluid_pressure)
+    assert flow is not None
+    curve = LeakCurve(before.local, flow)
+    first, _ = curve.leak_rates(before.line_load)
+    after, _ = curve.leak_rates(before.line_load, before)
+    np.testing.assert_allclose(after, first, rtol=1e-9)
 
 
 def test_scratches_lie_in_a_contact_that_remembers() -> None:
