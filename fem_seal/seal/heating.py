@@ -156,8 +156,11 @@ def _conductance(case: CaseTables) -> float | None:
         return heat.contact_conductance
     from fem_seal.seal.rough_faces import mean_conductance
 
-    low, high = _contact_reach(case)
-    return mean_conductance(case, max(_line_loads(case)), high - low)
+    (low, high), load = _contact_reach(case), case.load
+    point = max(load.points, key=lambda one: case.expected_force(*one))
+    force, largest = (max(case.expected_force(*one) for one in loads) for loads in (load.points, load.path))
+    larger = largest / force if force > 0.0 else 1.0
+    return mean_conductance(case, max(_line_loads(case)), high - low, point[0], larger)
 
 
 def _line_loads(case: CaseTables) -> list[float]:

@@ -132,7 +132,9 @@ class Joint:
         return values
 
 
-def mean_conductance(case: CaseTables, line_load: float, width: float) -> float | None:
+def mean_conductance(
+    case: CaseTables, line_load: float, width: float, fluid_pressure: float, larger: float = 1.0
+) -> float | None:
     """Mean conductance of the contact of a case under Hertz' pressure, None where it is perfect [W/(m^2 K)].
 
     Parameters
@@ -143,6 +145,10 @@ def mean_conductance(case: CaseTables, line_load: float, width: float) -> float 
         [N/m]
     width : float
         Of the contact [m].
+    fluid_pressure : float
+        [Pa]
+    larger : float
+        How many times as large the largest load before was, 1 without one [-].
 
     Raises
     ------
@@ -163,7 +169,9 @@ def mean_conductance(case: CaseTables, line_load: float, width: float) -> float 
             problem("conductance_of_rough_faces", turned=turned, fluid=None if fluid is None else fluid.name)
         )
     share = np.linspace(-1.0, 1.0, 2 * _PLACES + 1)[1::2]
-    pressure = 4.0 / np.pi * line_load / width * np.sqrt(1.0 - share**2)
-    half = np.full(pressure.shape, 0.5 * max(case.load.points)[0])
-    mean = float(np.nan_to_num(joint.conductance(pressure, half), nan=0.0, posinf=np.inf).mean())
+    hertz = 4.0 / np.pi * line_load / width
+    pressure = hertz * np.sqrt(1.0 - share**2)
+    largest = hertz * np.sqrt(larger - share**2) if larger > 1.0 else None
+    half = np.full(pressure.shape, 0.5 * fluid_pressure)
+    mean = float(np.nan_to_num(joint.conductance(pressure, half, largest), nan=0.0, posinf=np.inf).mean())
     return mean if math.isfinite(mean) else None

@@ -94,6 +94,22 @@ def test_wide_open_the_gap_alone_conducts():
     assert fluid.conductivity / (u + M) < found
 
 
+def test_a_place_conducts_the_same_whatever_else_is_asked():
+    helium, shares = leak.GapFluid.of("helium", 293.15), np.array([0.1, 0.2, 0.3, 0.4, 0.45, 0.5, 0.7, 0.8])
+
+    def conductance(pressure):
+        return leak.joint_conductance(FACE, pressure, 15.0, helium, fluid_pressure=1e5)
+
+    p = shares * 3.5e9
+    alone = np.array([float(conductance(one)) for one in p])
+    between = np.array([conductance([3.5e7, one, 3.3e9])[1] for one in p])
+    np.testing.assert_allclose(between, alone, rtol=3e-3)
+    assert np.isfinite(alone).all() and (np.diff(alone) > 0).all()
+    several = leak.joint_conductance(FACE, 1e7, 15.0, helium, fluid_pressure=[1e5, 2e5])
+    each = [float(leak.joint_conductance(FACE, 1e7, 15.0, helium, fluid_pressure=one)) for one in (1e5, 2e5)]
+    assert several == pytest.approx(each, rel=1e-12)
+
+
 def test_limits():
     p = np.array([0.0, 1e5, 1e6, 1e7, 1e8, 3.5e9, 4e9])
     spots = leak.joint_conductance(FACE, p, 15.0)

@@ -61,6 +61,29 @@ def test_the_temperature_field_has_the_conductance_of_the_rough_faces() -> None:
     assert 333.15 > faces["closure"] > faces["seat"] > 293.15
 
 
+def conductance_of(**load: Any) -> float:
+    heating = SealProblem.of(heated(load={"pressure_side": "inner", **load})).at_rest.heating
+    assert heating is not None and heating.surroundings.conductance is not None
+    return heating.surroundings.conductance
+
+
+def test_the_gas_is_that_of_the_load_that_presses_most() -> None:
+    alone = conductance_of(fluid_pressure="0.1 bar", applied_force="2 kN")
+    assert conductance_of(fluid_pressure=["0.1 bar", "5 bar"], applied_force="2 kN") == pytest.approx(alone)
+    assert conductance_of(fluid_pressure="5 bar", applied_force="2 kN") > 1.01 * alone
+
+
+def test_the_conductance_is_that_after_the_largest_load_before() -> None:
+    new, loads = conductance_of(fluid_pressure="1 Pa", applied_force="200 N"), ("200 N", "800 N", "3 kN")
+    after = [
+        conductance_of(fluid_pressure="1 Pa", applied_force="200 N", largest_earlier_force=load)
+        for load in loads
+    ]
+    assert after[0] == pytest.approx(new, rel=1e-5) and after[2] > 1.05 * after[1] > 1.05 * new
+    # the load itself conducts more
+    assert conductance_of(fluid_pressure="1 Pa", applied_force="3 kN") > after[2]
+
+
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
