@@ -164,7 +164,8 @@ def is_map(file: str | Path, columns: str | None = None) -> bool:
     coords = [table.values[:, roles[role][0]] for role in ("x", "y", "z") if role in roles]
     if len(coords) < 2 or "arc" in roles or "radius" in roles:
         return False
-    pressure = table.values[:, roles["pressure"]].max(axis=1)
+    # some programs call compression negative
+    pressure = np.abs(table.values[:, roles["pressure"]]).max(axis=1)
     mask = pressure > 1e-3 * pressure.max()
     return not on_one_curve(*(coord[mask] for coord in coords))
 
@@ -298,6 +299,10 @@ def _with_units(names: Sequence[str], kinds: Mapping[int, str], options: MapOpti
         listed = [names[place] for place, kind in bare.items() if kind in missing]
         wanted = [f"--{kind}-unit {unit}" for kind, unit in _USUAL.items() if kind in missing]
         raise TextTableError(problem("map_units", names=join_names(listed, 5), options=" ".join(wanted)))
+    for kind, unit in units.items():
+        own = sorted({_unit_in(names[place]) for place in kinds if kinds[place] == kind})
+        if unit and "" not in own and unit not in own:
+            raise TextTableError(problem("map_own_units", kind=kind, own=join_names(own, 5), unit=unit))
     return [f"{name} [{units[bare[place]]}]" if place in bare else name for place, name in enumerate(names)]
 
 

@@ -537,10 +537,14 @@ def _x_of_radius(contact: ContactGeometry, r: FloatArray) -> FloatArray | None:
     face = contact.seat_face
     s = np.linspace(0.0, face.length, 20_001)
     radii = face.point(s)[0]
-    if not (np.diff(radii) > 1e-3 * (s[1] - s[0])).all():
+    origin = face.project_radius(contact.initial_contact_radius)
+    at, growth = int(np.searchsorted(s, origin, "right")) - 1, np.diff(radii) / s[1]
+    if growth[at] < 1e-3:
         return None
-    origin = float(np.interp(contact.initial_contact_radius, radii, s))
-    return np.interp(r, radii, s, left=np.nan, right=np.nan) - origin
+    # around first touch as far as radii do not fall; beside a land the face goes on over its walls
+    falls = np.flatnonzero(growth < -1e-6)
+    part = slice(falls[falls < at].max(initial=-1) + 1, falls[falls > at].min(initial=len(s)) + 1)
+    return np.interp(r, radii[part], s[part], left=np.nan, right=np.nan) - origin
 
 
 def _fits(r: FloatArray, contact: ContactGeometry) -> bool:

@@ -102,17 +102,12 @@ def read_measured_text(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
 def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
     if case.bolts is not None:
         raise InputError(problem("measured_bolts"))
-    rows = [
-        (n, line)
-        for n, line in enumerate(text.split("\n"), 1)
-        if line.strip() and not line.startswith(COMMENTS)
-    ]
+    rows, separator = _rows_of(text)
     if len(rows) < 2:
         raise InputError(problem("measured_empty"))
     if len(rows) - 1 > _MOST_ROWS:
         raise InputError(problem("measured_too_many", rows=len(rows) - 1, most=_MOST_ROWS))
-    separator = next((character for character in ";\t" if character in rows[0][1]), ",")
-    header, *cells = [cells_of(line, separator) for _, line in rows]
+    header, *cells = [row for _, row in rows]
     names = [_name_and_unit(cell) for cell in header]
     columns = [name for name, _ in names]
     for name in (
@@ -121,8 +116,7 @@ def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
     ):
         which = "measured_column" if name in columns else "measured_missing"
         raise InputError(problem(which, name=name, columns=", ".join(_COLUMNS)))
-    at = columns.index("leak_rate")
-    if not any(cell for row in cells for cell in row[at : at + 1]):
+    if not is_filled(text):
         raise InputError(problem("measured_unfilled", rows=len(cells)))
     for (line, _), row in zip(rows[1:], cells, strict=True):
         if len(row) != len(header):
@@ -133,6 +127,29 @@ def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
             for (name, unit), cell in zip(names, row, strict=True)
         }
         yield _measured_leak(case, line, entries)
+
+
+def _rows_of(text: str) -> tuple[list[tuple[int, list[str]]], str]:
+    """Cells of each line, the header first, with its number, and what stands between them."""
+    lines = [
+        (n, line)
+        for n, line in enumerate(text.split("\n"), 1)
+        if line.strip() and not line.startswith(COMMENTS)
+    ]
+    separator = next((character for character in ";\t" if lines and character in lines[0][1]), ",")
+    return [(n, cells_of(line, separator)) for n, line in lines], separator
+
+
+def is_filled(text: str) -> bool:
+    """Whether a table of readings holds a leak rate.
+
+    Parameters
+    ----------
+    text : str
+    """
+    (_, header), *rows = _rows_of(text)[0] or [(0, [])]
+    places = [n for n, cell in enumerate(header) if _name_and_unit(cell)[0] == "leak_rate"]
+    return any(cell for _, row in rows for n in places for cell in row[n : n + 1])
 
 
 def _name_and_unit(header: str) -> tuple[str, str]:

@@ -27,6 +27,12 @@ def calibrate(
         calibration = fem_seal.calibrate(case, measured, progress)
         with replaced_together(folder, whole=False) as draft:
             files.write_calibration(calibration, draft)
+            if not calibration.is_usable:
+                # those of an earlier test
+                for name in (files.CASE, files.POSTERIOR):
+                    (folder / name).unlink(missing_ok=True)
+    if quiet and not calibration.is_usable:
+        terminal.warn(list(files.lines(calibration))[-1:])
     if json:
         terminal.say_json({"folder": str(folder), **files.summary(calibration)})
     elif not quiet:

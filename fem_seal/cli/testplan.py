@@ -24,6 +24,7 @@ def testplan(
     case = terminal.case_of_command(case_file)
     folder = output or case_file.with_suffix(".testplan")
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
+        files.check_unfilled(folder)
         plan = plan_leak_test(case, progress)
         with replaced_together(folder, whole=False) as draft:
             files.write_testplan(plan, draft, case_file.name)

@@ -9,8 +9,9 @@ from typing import Any
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.testplan import LeakTestPlan, PlannedReading
-from fem_seal.case.measured import USUAL_UNCERTAINTY
-from fem_seal.files import write_text
+from fem_seal.case.measured import USUAL_UNCERTAINTY, is_filled
+from fem_seal.errors import InputError
+from fem_seal.files import problem, read_any_text, write_text
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.scenarios import FIRST_LOADING, SCENARIOS
 from fem_seal.version import __version__
@@ -22,6 +23,18 @@ _HEADER = (
     *("leak_rate [ml/min]", "uncertainty [%]"),
 )
 _LOAD = ("fluid_pressure_Pa", "applied_force_N", "largest_earlier_force_N")
+
+
+def check_unfilled(folder: Path) -> None:
+    """InputError if leak rates stand in the table of a folder already.
+
+    Parameters
+    ----------
+    folder : Path
+    """
+    file = folder / TABLE
+    if file.exists() and is_filled(read_any_text(file)):
+        raise InputError(problem("testplan_filled", path=file))
 
 
 def write_testplan(plan: LeakTestPlan, folder: Path, case_file: str) -> None:

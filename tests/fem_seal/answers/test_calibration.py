@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -367,6 +368,20 @@ def test_a_seal_tighter_than_it_can_be_is_a_conflict_too(tmp_path):
     assert found.conflict is not None
     assert found.conflict.factor < 1e-3
     assert any("less leaks than expected" in line for line in lines(found))
+
+
+def test_a_conflict_is_told_quietly_too_and_takes_an_earlier_calibrated_case_away(
+    tmp_path, capsys, monkeypatch
+):
+    for name in ("calibrated.toml", "posterior.csv", "own.csv"):
+        (tmp_path / name).write_text("of an earlier test\n", encoding="utf-8")
+    monkeypatch.setattr(fem_seal, "calibrate", lambda *_: SimpleNamespace(is_usable=False), raising=False)
+    monkeypatch.setattr(module, "lines", lambda _: iter(["Conflict: the readings contradict the inputs."]))
+    monkeypatch.setattr(module, "write_calibration", lambda _, draft: (draft / "summary.json").touch())
+    words = ["calibrate", str(EXAMPLES / "ball_cone.toml"), "measured.csv", "-o", str(tmp_path), "-q"]
+    assert main(words) == 0
+    assert "warning: Conflict: the readings contradict the inputs." in capsys.readouterr().err
+    assert {path.name for path in tmp_path.iterdir()} == {"own.csv", "summary.json"}
 
 
 def test_without_a_leak_rate_nothing_is_calibrated(tmp_path):

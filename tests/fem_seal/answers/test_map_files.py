@@ -395,6 +395,11 @@ REFUSED = {
         MapOptions(length_unit="mm"),
         "the unit of CPRESS; give --pressure-unit MPa",
     ),
+    "own.csv": (
+        table(HEADER, *XYZ.T, P),
+        MapOptions(length_unit="furlong"),
+        r"states its length unit itself \(mm\); leave --length-unit furlong out",
+    ),
     "wrong.vtu": (ring(), MapOptions(pressure_unit="mm", length_unit="mm"), 'unit "mm" does not fit'),
     "two.vtu": (
         ring(CPRESS=P, CONT_PRES=P),
@@ -509,4 +514,5 @@ def test_a_meridian_is_no_map(write) -> None:
     assert not is_map(write("s.csv", table("s [mm],x [mm],y [mm],p [MPa]", across, *XYZ.T[:2, :40], across)))
     assert not is_map(write("t.csv", "nothing"))
     assert is_map(write("u.csv", table("r [mm],theta [deg],p [MPa]", R, PHI, P)))
+    assert is_map(write("v.csv", table(HEADER, *XYZ.T, -P)))
     assert is_map("x.vtu") and is_map("x.frd")

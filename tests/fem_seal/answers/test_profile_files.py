@@ -183,6 +183,15 @@ def test_contradictions_are_told(name: str, read) -> None:
         read(text)
 
 
+def test_a_radius_alone_gives_the_place_on_a_land_with_walls_beside_it(read) -> None:
+    seat = {"shape": "flat-land", "land_inner_diameter": "38 mm", "land_outer_diameter": "46 mm"}
+    closure = {"shape": "disc", "diameter": "60 mm", "material": STEEL}
+    land = SealProblem.of(case_of({**TABLES, "closure": closure, "seat": seat | {"material": STEEL}}))
+    r = np.linspace(19.2, 22.8, 61)
+    (found,) = read(written("r [mm],CPRESS [MPa]", r, 30.0 + np.abs(r - 21.0)), land)
+    assert found.x == pytest.approx((r - 21.0) * 1e-3, abs=1e-9)
+
+
 @pytest.mark.parametrize(("unit", "said"), [("Pa", "right"), ("GPa", None)])
 def test_pressures_far_below_that_of_the_fluid_ask_for_the_unit(unit: str, said: str | None, read) -> None:
     profiles = read(written(f"x [mm],p [{unit}]", X, P if said else 1e-3 * P))

@@ -79,6 +79,9 @@ def test_calibrate_says_that_the_table_is_empty_and_reads_it_once_filled(tmp_pat
         (one["fluid_pressure_Pa"], one["fluid"]) for one in planned
     ]
     assert readings[7].case.load.earlier == (0.0, pytest.approx(planned[7]["largest_earlier_force_N"]))
+    assert main(["testplan", str(file)]) == 2
+    assert f"--output = {folder / TABLE}: leak rates are filled in there" in capsys.readouterr().err
+    assert (folder / TABLE).read_text(encoding="utf-8") == "\n".join(filled)
     protocol = (folder / PROTOCOL).read_text(encoding="utf-8")
     assert len(protocol.split("\n")) < 90 and "fem-seal calibrate seal.toml readings.csv" in protocol
     assert all(f"| {n} | {one['fluid']} |" in protocol for n, one in enumerate(planned, start=1))

@@ -320,3 +320,8 @@ def test_plastic_law_of_asperities_that_do_not_yield_names_its_key(capfd, tmp_pa
     assert "interface.plastic = true: the asperities do not yield with leak.plasticity = false" in err
     right = hostile_case(tmp_path, interface={"law": "spectrum", "plastic": True}, leak={"theory": "paper"})
     assert cli.main(["check", str(right), "-q"]) == 0
+
+
+def test_units_in_brackets_stand_in_the_help(capsys):
+    assert cli.main(["leak", "--help"]) == 0
+    assert '"x [mm],y [mm],z [mm],CPRESS' in capsys.readouterr().out
