@@ -15,7 +15,7 @@ from fem_seal.answers.judgement import Limit, PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.response_surface import Polynomials, ResponseSurface, fit_with_prior
-from fem_seal.answers.samples import KnownRates, Samples, UncertainScans
+from fem_seal.answers.samples import MOST_OF_FINISH, KnownRates, Samples, UncertainScans
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.tables import Uncertainty
@@ -35,6 +35,8 @@ _FOR_EACH, _RUNS_AT_A_TIME = 2, 3
 _CHOSEN_RUNS, _CANDIDATES, _COUNTED_RUNS = 32, 256, 64
 # Inputs up to which the polynomial is a cubic, and up to which it is a quadratic one.
 _CUBIC, _QUADRATIC = 6, 16
+# First samples of a finish, which a polynomial must give to this share of the scatter.
+_CHECKED, _POOR = 16, 0.7
 # Polynomials that the runs leave possible, and samples of each, for the standard error.
 _CURVES, _OF_DRAWN = 48, 512
 # ln of the allowed over the calculated leak rate of a case that is sealed; of one that is open with a minus.
@@ -98,6 +100,8 @@ class QuickSamples:
         Their leak rates at the case's own viscosity [m^3/s].
     tried_count : int
         Of the first so many samples all were tried: their runs stand for the others.
+    is_smooth : bool
+        Whether a polynomial may stand for them.
     """
 
     samples: Samples
@@ -105,6 +109,7 @@ class QuickSamples:
     run_numbers: IntArray
     runs: FloatArray = field(repr=False)
     tried_count: int = 0
+    is_smooth: bool = True
 
     @property
     def plan(self) -> Plan:
@@ -112,9 +117,20 @@ class QuickSamples:
         return Plan.of(self.samples.scores)
 
     def smooth(self, columns: Sequence[int] | slice) -> bool:
-        """Whether no run is sealed or open."""
+        """Whether no run is sealed or open, and a polynomial gives what it was checked by."""
         runs = self.runs[:, columns]
-        return bool(np.all((runs > 0) & np.isfinite(runs)))
+        return self.is_smooth and bool(np.all((runs > 0) & np.isfinite(runs)))
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the polynomials of a finish give its first samples: most may leak through a thread, few wide open."""
+        if not (self.samples.of_finish and self.smooth(slice(None))):
+            return True
+        rates = self.samples.leak_rates(range(_CHECKED), self.loads).reshape(_CHECKED, -1)
+        surface = self.surface(range(rates.shape[1]), np.zeros(rates.shape[1]))
+        with np.errstate(divide="ignore"):
+            miss = self.plan.terms[:_CHECKED] @ surface.coefficients + np.log(rates)
+        return bool(np.all(np.sqrt(np.nanmean(miss**2, axis=0)) <= _POOR * np.sqrt(surface.variance)))
 
     def surface(self, columns: Sequence[int], ln_most: FloatArray) -> ResponseSurface:
         """Polynomials of ln of what is allowed over what leaks.
@@ -229,7 +245,7 @@ def _estimate_shares(
         return _of_loads(seal.case, quick)
     order: Iterable[int] = Plan.of(samples.scores).order
     most_runs, rates = min(_MOST_RUNS, len(samples.uniform)), dict[int, FloatArray]()
-    goal = min(_FOR_EACH * samples.scores.shape[1] + 2, most_runs)
+    goal, is_smooth = min(_FOR_EACH * samples.scores.shape[1] + 2, most_runs), True
     while True:
         numbers = list(islice((number for number in order if number not in rates), goal - len(rates)))
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
@@ -238,11 +254,16 @@ def _estimate_shares(
         valid = samples.valid_rows(runs)
         run_numbers, runs = np.array(list(rates))[valid], runs[valid]
         tried_count = next(number for number in range(len(rates) + 1) if number not in rates)
-        quick = QuickSamples(samples, tuple(loads), run_numbers, runs, tried_count)
+        quick = QuickSamples(samples, tuple(loads), run_numbers, runs, tried_count, is_smooth)
         if len(run_numbers) > samples.scores.shape[1] + 1:
             chances = _of_loads(seal.case, quick)
             if goal >= most_runs or all(chance.error <= _ERROR for chance in chances):
-                return chances
+                if quick.is_polynomial:
+                    return chances
+                # those of the interval are counted
+                is_smooth, order = False, range(len(samples.uniform))
+                goal = most_runs = len({*rates, *order[:MOST_OF_FINISH]})
+                continue
         if quick.smooth(slice(None)):
             goal = min(goal + _RUNS_AT_A_TIME if goal < _CHOSEN_RUNS else 2 * goal, most_runs)
         else:

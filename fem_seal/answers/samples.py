@@ -52,6 +52,8 @@ KnownRates: TypeAlias = dict[tuple[int, int, bool], FloatArray | ConvergenceErro
 _AT_ONCE = 8
 # Samples whose heights say how rough the roughest are.
 _OF_HEIGHTS = 64
+# Samples of a finish that are calculated at most for an interval.
+MOST_OF_FINISH = 96
 # Share of the samples that must converge where some may fail.
 _FEWEST_CONVERGED = 0.7
 

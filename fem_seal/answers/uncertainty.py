@@ -23,7 +23,7 @@ from fem_seal.answers.response_surface import (
     representative,
     samples_at_ends,
 )
-from fem_seal.answers.samples import KnownRates, Samples
+from fem_seal.answers.samples import MOST_OF_FINISH, KnownRates, Samples
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.tables import Uncertainty, curves
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 # Fewest runs; left-out runs must be predicted to this share of the scatter, an error that adds 0.05 % to the width.
 _FIRST_RUNS, _ERROR_OF_STD, _SMALLEST_ERROR = 16, 0.03, 2e-4
-# The same of a finish, a factor of ten or more; it has no more runs than this, and at a sealed load so many samples.
-_ERROR_OF_WIDE, _MOST_OF_FINISH, _SEALED_OF_FINISH = 0.4, 96, 64
+# The same of a finish, a factor of ten or more; at a sealed load it has so many samples.
+_ERROR_OF_WIDE, _SEALED_OF_FINISH = 0.4, 64
 # Bodies that yield are linearised at the loads of the case, unless these checks, which go through all loads, differ by
 # more than the first and by more than this share of the width of ln Q that holds nine tenths of the samples.
 _OF_LINEAR = 0.03, 0.06
@@ -311,7 +311,7 @@ class _LoadGroup:
         samples, scores, total = self.samples, self.samples.scores, len(self.samples.uniform)
         most, share, least = total, _ERROR_OF_STD, _SMALLEST_ERROR
         if samples.of_finish:
-            most = min(total, _MOST_OF_FINISH if self.leaks else _SEALED_OF_FINISH)
+            most = min(total, MOST_OF_FINISH if self.leaks else _SEALED_OF_FINISH)
             share, least = _ERROR_OF_WIDE, 0.0
         goal = min(max(_FIRST_RUNS, first_runs(scores.shape[1])), most)
         while True:

@@ -217,6 +217,22 @@ def test_sealed_samples_pass_and_open_ones_fail(monkeypatch):
     assert few.error <= 0.02 and all_closed.error <= 0.02
 
 
+def test_a_finish_that_leaks_in_two_ways_is_counted(monkeypatch):
+    """Few samples are wide open, all others leak through a thread: no polynomial gives both."""
+    seal, tried = seal_with("paper", rms_height=0.1, hurst=0.05), set()
+
+    def some(samples, numbers, loads):
+        tried.update(numbers)
+        z = np.log(samples.values["rms_height"][list(numbers)]) / 0.1
+        return np.where(np.abs(z - 0.5) < 0.2, 1e-7, 1e-11 * np.exp(0.3 * z))[:, None]
+
+    monkeypatch.setattr(Samples, "leak_rates", some)
+    monkeypatch.setattr(Samples, "of_finish", True)
+    found, true = passing(seal, 1e-9), 1.0 - (ndtr(0.7) - ndtr(0.3))
+    assert abs(found.share - true) < 3 * found.error and found.error > 0.02
+    assert tried.issuperset(range(module.MOST_OF_FINISH))
+
+
 def test_of_two_readings_the_one_that_passes_less_often_counts():
     wanted = one(
         seat=cone(HARD),
