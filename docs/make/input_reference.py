@@ -13,6 +13,7 @@ from typing import get_args
 from docutils.nodes import make_id
 from pydantic.fields import FieldInfo
 
+from fem_seal.answers.leakage_class import PER_LENGTH
 from fem_seal.case.case import Case
 from fem_seal.case.fields import Number, Place, Quantity, Several, Table, about, key_of
 from fem_seal.case.material_table import ALIASES, LIBRARY, MaterialTable
@@ -425,7 +426,9 @@ def standards_reference() -> str:
     ]
     for standard in STANDARDS.values():
         tests = "; ".join(_test_in_words(test) for test in standard.tests) or "none known here"
-        cells = (f"{1e6 * standard.bubble_volume:.2g}", tests, standard.source.strip(), standard.from_memory)
+        # those per length count none
+        bubble = "–" if standard.name in PER_LENGTH else f"{1e6 * standard.bubble_volume:.2g}"
+        cells = (bubble, tests, standard.source.strip(), standard.from_memory)
         lines.append(f"| {standard.name} | {standard.revision} | {' | '.join(cells)} |")
     lines.append(
         "\n## Largest leak rates\n\nIn ml/min, of gas at 101325 Pa; for a bore as large as the nominal size,"
@@ -578,7 +581,8 @@ def _other_columns() -> Iterator[str]:
     about = {
         "profile": "The pressure profiles of all loads, one below the other.",
         "map": "`fem-seal leak` of a map of contact pressure adds these columns to leak.csv.",
-        "contacts": "One row per load and sealing contact: one of a valve seat, two of a gasket.",
+        "contacts": "One row per load and sealing contact: one of a valve seat, or one for each of its lands; two of a "
+        "gasket, or one for each of its flanks.",
         "compression": "Of a gasket: one row per load, in their order, before the first and after the last.",
         "imprint": "The permanent imprint of each face after unloading, where a body has yielded.",
         "around": "Line load, pressure and leak around the axis, for one load below the other, where the case has a "

@@ -121,7 +121,7 @@ def table(cells: list[tuple[str, ...]]) -> str:
 def main(names: list[str]) -> None:
     """Write the page, or print the rows of the examples that are named."""
     cases = [path for path in examples() if not names or path.stem in names]
-    cells = []
+    cells: list[tuple[str, ...]] = []
     for path in cases:
         print(path.name, file=sys.stderr, flush=True)
         case = load_case(path)

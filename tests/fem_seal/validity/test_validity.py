@@ -148,6 +148,14 @@ def test_roughness_known_too_short():
     assert "909 1/m" in words
 
 
+def test_waves_that_a_finish_leaves_out():
+    finish = case(roughness={"Ra": "0.4 um", "process": "ground"})
+    assert said("waviness", load(std=0.9 / PAPER.q_low), of=finish) == ""
+    words = said("waviness", load(std=1.1 / PAPER.q_low), of=finish)
+    # 2 pi standard deviations are 1.8 times the width of an even pressure: such waves do not fit into it
+    assert "bend the faces" in words and "Waves up to 6912 um do so" in words and "above 800 um" in words
+
+
 def test_waves_longer_than_the_contact():
     # half of the height variance of this surface is in waves above 2 pi/q
     q = np.geomspace(PAPER.q_low, PAPER.q_high, 4000)
