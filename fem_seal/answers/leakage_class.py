@@ -89,6 +89,7 @@ def nominal_size(case: Case) -> NominalSize:
     bore = min((radius for radius in bores if radius is not None), default=None)
     diameter = 2.0 * (min(_touch_radii(case)) if bore is None else bore)
     of = "bore of the seat" if case.gasket is None else "bore of the flange"
+    of = of if case.has_shapes else "inner edge of the contact"
     circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
         text = str(case.written.get("leak", {}).get("nominal_size", "")).strip().upper()

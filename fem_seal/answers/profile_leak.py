@@ -76,11 +76,10 @@ def ring_of(profiles: Sequence[ImportedProfile]) -> tuple[float, float]:
         With their radii.
     """
     profile = profiles[0]
-    radius, pressed = profile.radius, profile.pressure >= 0.5 * profile.pressure.max()
+    radius, pressed = profile.radius, profile.pressure > 1e-3 * profile.pressure.max()
     assert radius is not None  # of profiles without a seat
     middle = float(np.average(radius, weights=profile.pressure))
-    # narrower than the points: where faces that nobody knows end is not told
-    half = min(0.25 * float(np.ptp(profile.x[pressed])), 0.5 * middle) or 1e-3 * middle
+    half = middle - float(radius[pressed].min()) or 1e-3 * middle
     return middle - half, middle + half
 
 

@@ -333,8 +333,8 @@ def _widest_gap(load: CaseLoad, low: float, high: float, pressed: float) -> floa
 
 
 def _range_in_view(loads: Sequence[CaseLoad]) -> tuple[float, float]:
-    """x between which the profiles are shown [m]: around first touch, or all lands."""
-    if all(len(load.profiles) == 1 for load in loads):
+    """x between which the profiles are shown [m]: around first touch, or all lands, or what does not lie there."""
+    if all(len(load.profiles) == 1 and abs(load.tightest.centroid) < load.tightest.std for load in loads):
         return -_reach(loads), _reach(loads)
     pressed = np.concatenate(
         [

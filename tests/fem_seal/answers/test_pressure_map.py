@@ -12,6 +12,7 @@ import meshio
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import fem_seal
@@ -20,6 +21,7 @@ from fem_seal.answers.profile_files import read_profiles
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.cli.app import app
 from fem_seal.errors import InputError
+from fem_seal.output.pictures.contact import draw_profiles
 from fem_seal.output.tables import write_profile_csv
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3.5 GPa"}
@@ -307,6 +309,11 @@ def test_peak_of_the_mean_is_not_taken_for_the_peak_of_the_map(tmp_path: Path) -
     (remark,) = {found.remark for found in result.answers["profiles"]}
     assert result.loads[0].peak_pressure < 0.8 * 150e6
     assert remark.endswith("the highest pressure of the map is 150 MPa")
+    # x begins at the inner edge: the picture has the whole face and little beside it
+    draw_profiles(axes := Figure().subplots(), result)
+    low, high = axes.get_xlim()
+    x = 1e3 * result.loads[0].profiles[0].x
+    assert low <= x[0] and high >= x[-1] and high - low < 1.5 * np.ptp(x)
 
 
 def test_command(tmp_path: Path) -> None:

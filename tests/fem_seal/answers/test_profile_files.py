@@ -12,6 +12,7 @@ import pytest
 
 import fem_seal
 from fem_seal.answers.chain import solve_profiles
+from fem_seal.answers.leakage_class import nominal_size
 from fem_seal.answers.profile_files import ImportedProfile, read_profiles
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.case import case_of
@@ -458,6 +459,16 @@ def test_a_case_without_shapes_takes_a_profile_with_its_radii(name: str, tmp_pat
     assert found.loads[0].leak_interval == pytest.approx(expected.loads[0].leak_interval, rel=2e-4)
     assert found.warnings == expected.warnings
     assert "x = 0 is its centre" in report(found, full=True)
+
+
+def test_the_nominal_size_without_shapes_is_that_of_the_inner_edge_of_the_contact() -> None:
+    r = np.linspace(20e-3, 40e-3, 201)
+    pressure = np.maximum(150e6 * (1.0 - ((r - 30e-3) / 10e-3) ** 2), 0.0)
+    profile = ImportedProfile(r - r[0], pressure, r, None)
+    bare = case_of({**TABLES, "closure": {"material": STEEL}, "seat": {"material": STEEL}})
+    size = nominal_size(solve_profiles(bare, [profile]).case)
+    assert (size.size, size.circle) == (40e-3, "inner edge of the contact")
+    assert size.diameter == pytest.approx(40e-3, rel=0.01)
 
 
 NEEDS = {
