@@ -152,6 +152,20 @@ def parse_quantity(text: object, dimension: str) -> float:
     )
 
 
+DECIMAL_COMMA = "has a decimal comma, use a point"
+
+
+def split_quantities(text: str) -> list[str]:
+    """Quantities with commas between them; a comma between digits is a decimal one.
+
+    Examples
+    --------
+    >>> split_quantities("10 bar,20 bar, 1,5 bar")
+    ['10 bar', '20 bar', '1,5 bar']
+    """
+    return [part.strip() for part in re.split(r"(?<!\d),|,(?!\d)", text)]
+
+
 def exact_quantity(text: str, dimension: str) -> Fraction:
     """Value of a quantity in SI before it is rounded to a float, for what is calculated from it.
 
@@ -235,7 +249,7 @@ def _syntax_error(text: str) -> str:
     if re.fullmatch(NUMBER, text):
         return "has no unit"
     if re.match(r"[+-]?\d+,\d", text):
-        return "has a decimal comma, use a point"
+        return DECIMAL_COMMA
     if re.match(r"[+-]?(nan|inf)", text.lower()):
         return "is not a finite number"
     if not re.match(NUMBER, text):

@@ -383,10 +383,11 @@ def _header(lines_above: Sequence[str], columns: int) -> tuple[str, ...]:
 
 
 def _names(line: str, columns: int) -> tuple[str, ...]:
-    """Names of a line that has so many, however they are separated; else none."""
+    """Names of a line that has so many, however they are separated, and does not begin with a number; else none."""
     text = line.strip().lstrip("".join(COMMENTS)).strip()
     single = [[text]] if columns == 1 and not re.search(r"[;\t]", text) else []
     for way in (*single, *(re.split(separator, text.rstrip(";,\t ")) for separator in _BETWEEN_NAMES)):
-        if len(way) == columns:
+        first = number_of(way[0].strip())
+        if len(way) == columns and (first is None or math.isnan(first)):
             return tuple(cell.strip().strip('"').strip() for cell in way)
     return ()

@@ -130,7 +130,7 @@ TASKS = {
     "requirement": ("The requirement", ("requirement",)),
     "uncertainty": ("Uncertain inputs", ("uncertainty",)),
     "form": ("Not round, scratched, turned", ("form",)),
-    "calculation": ("How it is calculated", ("leak", "direct", "mesh", "output")),
+    "calculation": ("How it is calculated", ("leak", "direct", "mesh", "output", "report")),
 }
 GENERATED = (
     "Rules for all tables: [the case file](../input.md). `docs/make/input_reference.py` makes this page.\n"

@@ -11,7 +11,7 @@ from fem_seal.case.case import Case
 from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import name_and_unit, problem, read_any_text
 from fem_seal.units import split_unit
-from leak.text_tables import COMMENTS, cells_of
+from leak.text_tables import COMMENTS, cells_of, number_of
 
 # What stands in a column, and where the case has the same.
 _KEYS = {
@@ -164,6 +164,8 @@ def _measured_leak(case: Case, line: int, entries: Mapping[str, tuple[str, str]]
     for name, key in _KEYS.items():
         text, unit = entries.get(name, ("", ""))
         text = text.removeprefix("<").strip() if name == "leak_rate" else text
+        if name == "leak_rate" and text and number_of(text.split()[0]) == 0.0:
+            raise InputError(problem("measured_zero", line=line, value=text))
         if text:
             changes[key] = (
                 text if any(c.isalpha() for c in text.lower().replace("e", "")) else f"{text} {unit}"

@@ -118,7 +118,8 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
         return "add it"
     key = key_of(table, name)
     if tables_of(field) and not key.meaning:
-        keys = [key for key, entry in tables_of(field)[0].model_fields.items() if entry.is_required()]
+        entries = tables_of(field)[0].model_fields
+        keys = [key for key, entry in entries.items() if entry.is_required()] or list(entries)[:1]
         return f"add a table [{name}] with {', '.join(keys)}"
     words = choices(table, name)
     if words:

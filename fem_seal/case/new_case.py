@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -17,7 +18,7 @@ from fem_seal.case.messages import nearest
 from fem_seal.case.notation import partner, without_reference
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.files import TomlError, own_tables, parse_toml, problem
-from fem_seal.units import parse_quantity
+from fem_seal.units import DECIMAL_COMMA, parse_quantity, split_quantities
 
 TEMPLATES = (
     "ball-valve",
@@ -33,6 +34,8 @@ SCHEMA_FILE = "fem-seal.schema.json"
 
 _ENTRY = re.compile(r"(?P<key>[\w.]+) = (?P<value>.*?)(?P<comment>\s+#.*)?")
 _SCHEMA_LINE = "#:schema "
+# Keys of names, which may be numbers and have commas.
+_TEXTS = re.compile(r"(^|\.)(title|material|name|process)$")
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,7 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
         at = lines_by_path.get(path) or lines_by_path.get(partner_path or "")
         if at is not None:
             comment = at["comment"] or ""
-            new_line = f"{key} = {_toml(value, single=path == 'title')}"
+            new_line = f"{key} = {_toml(path, value)}"
             if comment:
                 # the comments stay below each other where there is room
                 column = len(lines[at["line"]]) - len(comment.lstrip())
@@ -147,9 +150,9 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
             continue
         ends = [entry["line"] for name, entry in lines_by_path.items() if name.rpartition(".")[0] == table]
         if ends:
-            lines.insert(max(ends) + 1, f"{key} = {_toml(value)}")
+            lines.insert(max(ends) + 1, f"{key} = {_toml(path, value)}")
         else:
-            lines += ["", f"[{table}]", f"{key} = {_toml(value)}"]
+            lines += ["", f"[{table}]", f"{key} = {_toml(path, value)}"]
     return "\n".join(lines) + ("\n" if text.endswith("\n") else "")
 
 
@@ -396,6 +399,9 @@ def with_options(
     if unknown:
         option_names = ", ".join(f"--{item.name}" for item in QUESTIONS if item.name in paths)
         raise InputError(problem("new_not_in_template", key=unknown[0], name=name, known=option_names))
+    for key, value in options.items():
+        if re.search(r"\d,\d", value) and not _TEXTS.search(paths[key]):
+            raise InputError.at(f"--{key}", DECIMAL_COMMA, value)
     changes = {paths[key]: value for key, value in options.items() if key != "class"}
     for entry in entries:
         key, equals, value = entry.partition("=")
@@ -484,12 +490,13 @@ def _plain(value: str) -> str:
     return content if isinstance(content, str) else value
 
 
-def _toml(value: str, single: bool = False) -> str:
-    """A value as TOML: itself if it is, several texts as a list unless they are `single`, any other text in quotes."""
-    try:
-        parse_toml(f"value = {value}")
-    except TomlError:
-        parts = [value] if single else [part.strip() for part in value.split(",")]
-        texts = [json.dumps(part, ensure_ascii=False) for part in parts]
-        return f"[{', '.join(texts)}]" if len(parts) > 1 else texts[0]
-    return value
+def _toml(path: str, value: str) -> str:
+    """A value as TOML: itself if it is, several quantities as a list, any other text and names in quotes."""
+    is_text = _TEXTS.search(path)
+    with suppress(TomlError):
+        content = parse_toml(f"value = {value}")["value"]
+        if not is_text or isinstance(content, (str, dict)):
+            return value
+    parts = [value] if is_text else split_quantities(value)
+    texts = [json.dumps(part, ensure_ascii=False) for part in parts]
+    return f"[{', '.join(texts)}]" if len(parts) > 1 else texts[0]

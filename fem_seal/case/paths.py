@@ -118,9 +118,10 @@ def entry_at(case: Case, path: str) -> Entry:
         return Entry(path, words[key].marker, display=case.display)
     if key not in fields or path.split(".")[0] in _FIXED_TABLES or path not in all_paths:
         in_words = [f"{'.'.join(parents)}.{word}" for word in words]
+        alike = [entry_path for entry_path in all_paths if entry_path.lower() == path.lower()]
         likely = difflib.get_close_matches(path, [*all_paths, *in_words], n=2, cutoff=0.5)
         ends_alike = [entry_path for entry_path in all_paths if entry_path.split(".")[-1] == key]
-        hints = list(dict.fromkeys([*ends_alike[:2], *likely]))[:3]
+        hints = alike or list(dict.fromkeys([*ends_alike[:2], *likely]))[:3]
         suggestion = f"do you mean {' or '.join(hints)}? " if hints else ""
         unknown = f"is no entry of the case; {suggestion}known are {', '.join(all_paths)}"
         raise InputError.at(path, gone_entry(path) or unknown)

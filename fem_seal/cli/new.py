@@ -84,7 +84,11 @@ def new(
     if asks:
         text = _with_answers(text, options)
     else:
-        new_case.read_text_case(text)
+        case = new_case.read_text_case(text)
+        if bore and case.leak.nominal_size:
+            circle = 2.0 * case.contact.initial_contact_radius
+            if case.leak.nominal_size > circle:
+                complain(str(problem("new_bore_wide", bore=bore, circle=circle)), "warning: ")
     _write(text, path)
     questions, open_sizes = new_case.find_questions(text), _SIZES - options.keys()
     sizes = [f"{question.words} {value}" for question, _, value in questions if question.name in open_sizes]

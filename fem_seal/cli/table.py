@@ -67,18 +67,21 @@ def grid(text: str, dimension: str) -> list[float]:
     >>> grid("1 bar : 4 bar : 4", "pressure"), grid("0 N, 2 kN", "force")
     ([100000.0, 200000.0, 300000.0, 400000.0], [0.0, 2000.0])
     """
-    from fem_seal.errors import InputError
-    from fem_seal.units import parse_quantity
+    from fem_seal.errors import InputError, QuantityError
+    from fem_seal.units import parse_quantity, split_quantities
 
-    if ":" not in text:
-        return [parse_quantity(part.strip(), dimension) for part in text.split(",")]
-    ends = [part.strip() for part in text.split(":")]
-    if len(ends) != 3 or not ends[2].isdecimal() or not 2 <= int(ends[2]) <= 1000:
-        raise InputError.at(
-            dimension, f"write a list or a range with 2 to 1000 values, such as {_FORM}", repr(text)
-        )
-    start, stop, number = parse_quantity(ends[0], dimension), parse_quantity(ends[1], dimension), int(ends[2])
-    return [start + (stop - start) * n / (number - 1) for n in range(number)]
+    *ends, number = [part.strip() for part in text.split(":")]
+    if ends and (len(ends) != 2 or not number.isdecimal() or not 2 <= int(number) <= 1000):
+        words = f"write a list or a range with 2 to 1000 values, such as {_FORM}"
+        raise InputError.at(f"--{dimension}", words, repr(text))
+    try:
+        values = [parse_quantity(part, dimension) for part in ends or split_quantities(text)]
+    except QuantityError as error:
+        raise InputError.at(f"--{dimension}", str(error), repr(text)) from None
+    if not ends:
+        return values
+    start, stop = values
+    return [start + (stop - start) * n / (int(number) - 1) for n in range(int(number))]
 
 
 def _show(display: Display, leaks: LeakMap) -> None:

@@ -130,9 +130,23 @@ def _as_result(reply: Reply) -> CallToolResult:
 def _looked_up(look: Callable[[], list[manual.Entry]], after: str) -> CallToolResult:
     try:
         found = [asdict(entry) for entry in look()]
-        return _as_result(Reply({"found": found, "next": {"tool": after, "why": "to use it"}}))
+        other = ("search_manual", "nothing is found: with other words, such as roughness or leak rate")
+        tool, why = (after, "to use it") if found else other
+        return _as_result(Reply({"found": found, "next": {"tool": tool, "why": why}}))
     except InputError as error:
         return _as_result(Reply({"refused": str(error)}, refused=True))
+
+
+class _Server(MCPServer):
+    """Refuses what a tool has no argument for, instead of answering as if it had not been given."""
+
+    async def call_tool(self, name: str, arguments: dict[str, Any], context: Any = None) -> Any:
+        known = {tool.name: list(tool.input_schema["properties"]) for tool in await self.list_tools()}
+        unknown = [key for key in arguments if key not in known.get(name, arguments)]
+        if unknown:
+            refusal = problem("mcp_argument", key=unknown[0], tool=name, known=", ".join(known[name]))
+            return _as_result(Reply({"refused": str(refusal)}, refused=True))
+        return await super().call_tool(name, arguments, context)
 
 
 def server_of(worker: Worker) -> MCPServer:
@@ -142,7 +156,7 @@ def server_of(worker: Worker) -> MCPServer:
     ----------
     worker : Worker
     """
-    server = MCPServer("fem-seal", version=__version__, instructions=_INSTRUCTIONS, log_level="WARNING")
+    server = _Server("fem-seal", version=__version__, instructions=_INSTRUCTIONS, log_level="WARNING")
     for name, tool in work.TOOLS.items():
         # nothing is written over, whatever is asked
         hints = ToolAnnotations(read_only_hint=tool is work.check_case, destructive_hint=False)

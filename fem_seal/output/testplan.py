@@ -14,14 +14,12 @@ from fem_seal.errors import InputError
 from fem_seal.files import problem, read_any_text, write_text
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.scenarios import FIRST_LOADING, SCENARIOS
+from fem_seal.units import Unit
 from fem_seal.version import __version__
 from fem_seal.wording import environment, say
 
 PROTOCOL, TABLE = "protocol.md", "readings.csv"
-_HEADER = (
-    *("fluid_pressure [Pa]", "applied_force [N]", "largest_earlier_force [N]", "fluid"),
-    *("leak_rate [ml/min]", "uncertainty [%]"),
-)
+_COLUMNS = ("fluid_pressure", "applied_force", "largest_earlier_force")
 _LOAD = ("fluid_pressure_Pa", "applied_force_N", "largest_earlier_force_N")
 
 
@@ -47,8 +45,16 @@ def write_testplan(plan: LeakTestPlan, folder: Path, case_file: str) -> None:
     case_file : str
         Name of the case's file.
     """
-    rows = [(*_load(one), one.fluid, "", 100.0 * USUAL_UNCERTAINTY) for one in plan.readings]
-    write_rows_csv(folder / TABLE, _HEADER, rows)
+    display = plan.case.display
+    rates = [rate for one in plan.readings for rate in one.load.leak_interval or ()]
+    leak, units = display.shared_flow_unit(rates), [display.fixed_unit(name) for name in ("bar", "N", "N")]
+    rows: list[list[float | str]] = [
+        [*map(Unit.of, units, _load(one)), one.fluid, "", 100.0 * USUAL_UNCERTAINTY] for one in plan.readings
+    ]
+    columns = [f"{name} [{unit.name}]" for name, unit in zip(_COLUMNS, units, strict=True)]
+    # not every program of tables reads a micro sign
+    header = (*columns, "fluid", f"leak_rate [{leak.name.replace('µ', 'u')}]", "uncertainty [%]")
+    write_rows_csv(folder / TABLE, header, rows)
     write_text(folder / PROTOCOL, protocol(plan, case_file))
 
 

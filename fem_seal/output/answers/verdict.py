@@ -110,7 +110,7 @@ def _passes(result: SealSolution, judgement: SealVerdict) -> str:
     passing = None if judgement.number is None else result.loads[judgement.number].chance
     if passing is None or passing.why_none:
         return ""
-    return say(result.display, "verdict", "passes_brief", share=passing.share)
+    return say(result.display, "verdict", "passes_brief", chance=passing)
 
 
 def _digits(result: SealSolution, judgement: SealVerdict) -> int:
@@ -414,7 +414,7 @@ def tiles(result: SealSolution) -> Iterator[Tile]:
         yield Tile("Margin", margin, say(display, "verdict", "tile_margin"), 10, level)
     if likely is not None and likely.chance is not None and not likely.chance.why_none:
         at = load_name(likely, result.loads, display)
-        share = say(display, "verdict", "probability", share=likely.chance.share)
+        share = say(display, "verdict", "probability", share=likely.chance.share, error=likely.chance.error)
         yield Tile("Passes", share, say(display, "verdict", "tile_passes", load=at), 15, level)
     if force := load.verdict_force:
         none = "none" if force.looked_for else "not calculated"

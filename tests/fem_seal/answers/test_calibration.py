@@ -267,6 +267,11 @@ def test_readings_in_any_unit(tmp_path):
         (["5, 1, 5, no", "-1, 1, 5, no"], HEADER, r"line 3, column fluid_pressure"),
         (["5, 1, 5, perhaps"], HEADER, r'line 2, column below = "perhaps"'),
         (["5, 1, 0, no"], HEADER, r'line 2, column uncertainty = "0"'),
+        (
+            ["5, 0.0, 5, no"],
+            HEADER,
+            r'line 2, column leak_rate = "0.0": .* write "<" and the smallest leak rate',
+        ),
         (["5, 1, 5, no", "9, , 5, no"], HEADER, r"line 3, column leak_rate: is empty"),
         (["5, , 5, no"], HEADER, r"leak_rate: is empty in all 1 rows: nothing is measured yet"),
         (["5, 1, 5"], HEADER, r"line 2: has 3 cells, the header has 4"),

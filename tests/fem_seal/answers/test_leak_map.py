@@ -332,9 +332,11 @@ def test_command_writes_the_files_and_says_what_is_missing(capsys, tmp_path):
     assert (folder / "leak_tables.m").exists()
 
 
-@pytest.mark.parametrize("text", ["1 bar : 2 bar", "1 bar : 2 bar : one", "1 : 2 : 3", "1 bar;2 bar"])
+@pytest.mark.parametrize(
+    "text", ["1 bar : 2 bar", "1 bar : 2 bar : one", "1 : 2 : 3", "1 bar;2 bar", "50", "1,5 bar : 2 bar : 3"]
+)
 def test_a_grid_that_is_none_is_refused(text):
-    with pytest.raises((InputError, ValueError)):
+    with pytest.raises(InputError, match=f"^--pressure = '{text}': "):
         grid(text, "pressure")
 
 

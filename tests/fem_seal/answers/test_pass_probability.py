@@ -15,10 +15,12 @@ import fem_seal
 from fem_seal.answers import pass_probability as module
 from fem_seal.answers.answer import loads_of
 from fem_seal.answers.case_load import SolvedSeal
+from fem_seal.answers.chain import ANSWERS
 from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.response_surface import Polynomials, fit_with_prior
 from fem_seal.answers.samples import Samples, uncertain_inputs
+from fem_seal.files import own_tables
 from fem_seal.output.answers.verdict import basis_lines, tiles, verdict_in_brief, verdict_numbers
 from fem_seal.output.report.brief import first_line
 from fem_seal.output.tables import leak_table
@@ -27,6 +29,8 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.findings import Level, Validity, remark
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
+from fem_seal.units import Display
+from fem_seal.wording import say
 from leak import FlowError
 
 PASSING = ["pass_probability", "pass_probability_error"]
@@ -281,6 +285,25 @@ def test_outside_the_theory_there_is_no_probability():
     (found,) = pass_probabilities(seal.with_loads([seal.loads[0].with_values(validity=outside)]))
     assert str(found.why_none) == "seat: 3 times its yield stress"
     assert math.isnan(found.share)
+
+
+def test_next_to_none_and_all_the_standard_error_bounds_the_share():
+    told = [
+        say(Display(), "verdict", "passes", load="1 bar", chance=PassProbability(*each), tested=False)
+        for each in ((0.0, 0.004), (1.0, 0.004), (0.3, 0.01), (1.0, 1e-5))
+    ]
+    shares = [text.removeprefix("At 1 bar ").split(", over")[0] for text in told]
+    assert shares == [
+        "less than 0.8 % of the samples pass",
+        "more than 99.2 % of the samples pass",
+        "30.0 % of the samples pass (standard error 1.0 %)",
+        "more than 99.9 % of the samples pass",
+    ]
+
+
+def test_every_calculation_time_has_a_name_in_words():
+    steps = own_tables("words.toml")["steps"]
+    assert {answer.clock or answer.name for answer in ANSWERS if answer.status} <= steps.keys()
 
 
 def test_a_result_tells_it_in_table_report_and_on_the_terminal():

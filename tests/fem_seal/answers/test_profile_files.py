@@ -164,6 +164,10 @@ CONTRADICTIONS = {
         written("X [mm],Y [mm],p [MPa]", R, 0.2 * Z, P),
         "do not lie on the face of the seat",
     ),
+    "a text between numbers": (
+        written("r,CPRESS", R, P).replace(f"{R[3]:.9g},{P[3]:.9g}", "14.0,abc"),
+        r'line 5 \("14.0,abc"\) is no row like line 2',
+    ),
     "a map in space": (
         written("X,Y,Z,CPRESS", R_OVER * np.cos(TURNED), Z_OVER, R_OVER * np.sin(TURNED), P_OVER),
         "over a surface",

@@ -12,7 +12,7 @@ import fem_seal
 from fem_seal.answers.testplan import plan_leak_test
 from fem_seal.case.measured import read_measured
 from fem_seal.cli.app import main
-from fem_seal.output.testplan import PROTOCOL, TABLE, lines
+from fem_seal.output.testplan import PROTOCOL, TABLE, lines, write_testplan
 
 BALL = {"leak.theory": "corrected", "load.fluid_pressure": ["10 bar", "20 bar"], "load.applied_force": "1 kN"}
 
@@ -50,13 +50,19 @@ def test_each_reading_is_what_a_run_of_its_load_leaks(plan):
     assert "first loading" not in new[0].others and plan.readings[-1].fluid == "nitrogen"
 
 
-def test_what_leaves_no_trace_or_does_not_clog_is_not_asked():
+def test_what_leaves_no_trace_or_does_not_clog_is_not_asked(tmp_path):
     found = plan_leak_test(ball(seat__material="steel", leak__plasticity=False, fluid={"name": "nitrogen"}))
     assert found.case.hardness is None
     assert {reading.question for reading in found.readings} == {"new", "again", "gas"}
     assert all(math.isnan(reading.largest_earlier_force) for reading in found.readings)
     assert found.readings[-1].fluid == "helium"
     assert not any("remember" in line for line in lines(found))
+    # table and protocol are in the same units
+    write_testplan(found, tmp_path, "seal.toml")
+    first, row, *_ = (tmp_path / TABLE).read_text(encoding="utf-8").split("\n")
+    assert first.startswith("fluid_pressure [bar],applied_force [N],") and ",leak_rate [mbar l/s]," in first
+    assert row == "5,250,,nitrogen,,10"
+    assert " mbar l/s | " in (tmp_path / PROTOCOL).read_text(encoding="utf-8")
 
 
 def test_calibrate_says_that_the_table_is_empty_and_reads_it_once_filled(tmp_path, capsys):

@@ -305,6 +305,7 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("closure.radius", "20 m", "from 10 um to 10 m"),
         ("closure.radius", None, "is missing; add radius"),
         ("closure", None, "is missing; add a table [closure]"),
+        ("load", None, "is missing; add a table [load] with fluid_pressure"),
         (
             "closure",
             "ball",

@@ -104,6 +104,8 @@ def test_what_the_template_decides_is_told(call) -> None:
     # 300 N at a bore of 25 mm, times the square of 80/25
     assert "to the scale of what you gave: diameter of the closure 128 mm" in told
     assert "closing force of spring or actuator 3072 N" in told
+    said = call("-t", "ball-valve", "--diameter", "40 mm", "--bore", "45 mm", "-o", "wide.toml")[2]
+    assert "--bore = 45 mm: is wider than the circle" in said and "28.28 mm in diameter" in said
     assert "From the template" not in call("-t", "ball-valve", "-o", "as_it_is.toml")[1]
 
 
@@ -143,6 +145,12 @@ def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
         (["-t", "flat-seat", "--included-angle", "90 deg"], "is not in the template flat-seat"),
         (["-t", "needle", "--ra", "0.1"], "roughness.Ra = 0.1: has no unit"),
         (["-t", "needle", "--bore", "50 mm", "--diameter", "8 mm"], "must exceed inner_radius = 15 mm"),
+        (["-t", "needle", "--ra", "0,4 um"], "--ra = 0,4 um: has a decimal comma, use a point"),
+        (["-t", "needle", "--set", "roughness.Ra=0,4 um"], 'roughness.Ra = "0,4 um": has a decimal comma'),
+        (
+            ["-t", "ball-valve", "--pressure", "10 bar, 1,5 bar"],
+            "--pressure = 10 bar, 1,5 bar: has a decimal",
+        ),
         (["-t", "needle", "--set", "seat.bore_diameter"], "must be KEY=VALUE"),
         (["-t", "needle", "--set", "seat.bore_diamter=1"], "do you mean bore_diameter?"),
     ],
@@ -233,6 +241,23 @@ def test_either_word_of_a_dimension_is_replaced(path: str, value: str, expected:
     text = with_entries(template("check-valve"), {path: value})
     assert expected in text
     load_case(tomllib.loads(text))
+
+
+def test_names_may_be_numbers_and_pressures_stand_between_commas(call, tmp_path) -> None:
+    words = [
+        "-t",
+        "ball-valve",
+        "--seat-material",
+        "1.4404",
+        "--title",
+        "4711",
+        "--pressure",
+        "10 bar,20 bar",
+    ]
+    assert call(*words, "--set", "closure.material=1.4404")[0] == 0
+    tables = tomllib.loads((tmp_path / "ball-valve.toml").read_text(encoding="utf-8"))
+    assert (tables["title"], tables["load"]["fluid_pressure"]) == ("4711", ["10 bar", "20 bar"])
+    assert tables["seat"]["material"] == tables["closure"]["material"] == "1.4404"
 
 
 def test_a_template_that_is_none_is_refused() -> None:

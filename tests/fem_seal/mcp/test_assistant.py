@@ -150,6 +150,12 @@ def test_the_tools_are_there_and_say_what_they_are_for(assistant):
     assert "case_toml" in tools["run_case"].input_schema["properties"]
 
 
+def test_what_a_tool_does_not_know_is_refused(assistant):
+    said = assistant.refused("run_case", case_path="case.toml", force="900 N")
+    assert said.startswith("force: is no argument of run_case, which has case_path, case_toml")
+    assert assistant.ask("search_manual", words="qqqq zzzz")["next"]["tool"] == "search_manual"
+
+
 def test_a_case_from_the_words_of_a_drawing(assistant):
     first = assistant.ask("new_case")
     assert "ball-valve" in first["templates"] and "case.toml" in first["files"]

@@ -409,6 +409,7 @@ def test_mistakes_in_files_name_the_file(tmp_path):
         ("seat.angle [deg]\n", "no designs"),
         ("seat.angle [mm]\n3\n", "row 2"),
         ("seat.angle [deg]\n3,4\n", "row 2 has 2 cells"),
+        ("roughness.RA [um]\n3\n", r"do you mean roughness\.Ra\?"),
         ("seat.angel [deg]\n3\n", r'file = "designs.csv": column seat\.angel.*do you mean seat\.angle'),
         ("seat.angle [deg];fluid.viscosity\n3;1 mPa s\n", "designs.csv.*separate the columns by commas"),
         ("the angle\n3\n", r"designs.csv.*such as seat\.angle \[deg\]"),
