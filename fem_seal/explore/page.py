@@ -208,7 +208,11 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         prevent_initial_call=True,
     )
     app.clientside_callback(
-        scripts["steps"], Output("undo", "disabled"), Output("redo", "disabled"), Input("history", "data")
+        scripts["steps"],
+        Output("undo", "disabled"),
+        Output("redo", "disabled"),
+        Input("history", "data"),
+        Input("present", "data"),
     )
     app.clientside_callback(
         scripts["step"],

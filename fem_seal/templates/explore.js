@@ -74,8 +74,11 @@ function remember(asked, history) {
     return {designs: designs, at: designs.length - 1, moved: moved, since: Date.now()};
 }
 
-function steps(history) {
-    const off = [history.at < 1, history.at >= history.designs.length - 1];
+function steps(history, _) {
+    // a design that waits to be asked for can be undone, too
+    const now = window.step ? undefined : window.present, last = history.designs[history.at];
+    const waits = now && last && JSON.stringify(now) !== JSON.stringify(last);
+    const off = [history.at < 1 && !waits, history.at >= history.designs.length - 1];
     // a button that is switched off under the focus hands it on
     ["undo", "redo"].forEach((name, n) => {
         const button = document.getElementById(name);

@@ -453,6 +453,24 @@ def test_a_case_file_is_that_of_the_sliders_before_they_are_answered(browser, fo
     assert '"24 bar"' in (folder / re.search(r"Written: (.+?\.toml)", said)[1]).read_text(encoding="utf-8")
 
 
+def test_a_design_is_undone_before_it_is_answered(browser):
+    browser.execute_script("window.onItsWay = {number: 1e9, since: Date.now() + 1e9, answered: 0}")
+    enter(browser, "fluid_pressure", "24 bar")
+    waited(
+        browser,
+        "return window.present.fluid_pressure === '24 bar' && !document.getElementById('undo').disabled",
+    )
+    click(browser, "#undo")
+    waited(browser, "return window.present.fluid_pressure === '20 bar'")
+    waited(
+        browser,
+        "return document.getElementById('undo').disabled && !document.getElementById('redo').disabled",
+    )
+    browser.execute_script("window.onItsWay = undefined")
+    click(browser, "#redo")
+    numbers(browser, pressure="24 bar", at_rest=False)
+
+
 @pytest.mark.parametrize("width", [1400, 400])
 def test_the_page_is_for_everybody_wide_and_narrow(browser, width):
     axe = pytest.importorskip("axe_core_python.selenium", reason="axe-core judges the page")
