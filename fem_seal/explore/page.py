@@ -207,13 +207,8 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         State("history", "data"),
         prevent_initial_call=True,
     )
-    app.clientside_callback(
-        scripts["steps"],
-        Output("undo", "disabled"),
-        Output("redo", "disabled"),
-        Input("history", "data"),
-        Input("present", "data"),
-    )
+    off = [Output(name, "disabled") for name in ("undo", "redo")]
+    app.clientside_callback(scripts["steps"], off, [Input("history", "data"), Input("present", "data")])
     app.clientside_callback(
         scripts["step"],
         Output("history", "data", allow_duplicate=True),

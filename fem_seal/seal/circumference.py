@@ -261,10 +261,8 @@ class LeakCurve:
             step = np.array(corner)[:, None]
             weight = np.prod(np.where(step == 1.0, at - below, 1.0 - (at - below)), axis=0)
             places, place_of = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
-            corner_flows = [
-                self._flow_after_load(float(a), float(a + above - apart), before.local)
-                for a, above in places.T
-            ]
+            pairs = ((a, a + above - apart) for a, above in places.T.tolist())
+            corner_flows = [self._flow_after_load(*pair, before.local) for pair in pairs]
             firsts = [self._flow_at(float(f)).leak_rate for f in places[0]]
             shares = [
                 flow.leak_rate / first if first > 0 else 1.0
