@@ -100,8 +100,8 @@ class QuickSamples:
         Their leak rates at the case's own viscosity [m^3/s].
     tried_count : int
         Of the first so many samples all were tried: their runs stand for the others.
-    is_smooth : bool
-        Whether a polynomial may stand for them.
+    is_counted : bool
+        Whether no polynomial gives the others.
     """
 
     samples: Samples
@@ -109,7 +109,7 @@ class QuickSamples:
     run_numbers: IntArray
     runs: FloatArray = field(repr=False)
     tried_count: int = 0
-    is_smooth: bool = True
+    is_counted: bool = False
 
     @property
     def plan(self) -> Plan:
@@ -117,13 +117,13 @@ class QuickSamples:
         return Plan.of(self.samples.scores)
 
     def smooth(self, columns: Sequence[int] | slice) -> bool:
-        """Whether no run is sealed or open, and a polynomial gives what it was checked by."""
+        """Whether no run is sealed or open, nor counted."""
         runs = self.runs[:, columns]
-        return self.is_smooth and bool(np.all((runs > 0) & np.isfinite(runs)))
+        return not self.is_counted and bool(np.all((runs > 0) & np.isfinite(runs)))
 
     @property
-    def is_polynomial(self) -> bool:
-        """Whether the polynomials of a finish give its first samples: most may leak through a thread, few wide open."""
+    def stands_check(self) -> bool:
+        """Whether the polynomials of a finish give its first samples; most may leak through a thread, few be open."""
         if not (self.samples.of_finish and self.smooth(slice(None))):
             return True
         rates = self.samples.leak_rates(range(_CHECKED), self.loads).reshape(_CHECKED, -1)
@@ -245,7 +245,7 @@ def _estimate_shares(
         return _of_loads(seal.case, quick)
     order: Iterable[int] = Plan.of(samples.scores).order
     most_runs, rates = min(_MOST_RUNS, len(samples.uniform)), dict[int, FloatArray]()
-    goal, is_smooth = min(_FOR_EACH * samples.scores.shape[1] + 2, most_runs), True
+    goal, is_counted = min(_FOR_EACH * samples.scores.shape[1] + 2, most_runs), False
     while True:
         numbers = list(islice((number for number in order if number not in rates), goal - len(rates)))
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
@@ -254,14 +254,14 @@ def _estimate_shares(
         valid = samples.valid_rows(runs)
         run_numbers, runs = np.array(list(rates))[valid], runs[valid]
         tried_count = next(number for number in range(len(rates) + 1) if number not in rates)
-        quick = QuickSamples(samples, tuple(loads), run_numbers, runs, tried_count, is_smooth)
+        quick = QuickSamples(samples, tuple(loads), run_numbers, runs, tried_count, is_counted)
         if len(run_numbers) > samples.scores.shape[1] + 1:
             chances = _of_loads(seal.case, quick)
             if goal >= most_runs or all(chance.error <= _ERROR for chance in chances):
-                if quick.is_polynomial:
+                if quick.stands_check:
                     return chances
                 # those of the interval are counted
-                is_smooth, order = False, range(len(samples.uniform))
+                is_counted, order = True, range(len(samples.uniform))
                 goal = most_runs = len({*rates, *order[:MOST_OF_FINISH]})
                 continue
         if quick.smooth(slice(None)):

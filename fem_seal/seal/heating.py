@@ -157,9 +157,9 @@ def _conductance(case: CaseTables) -> float | None:
     from fem_seal.seal.rough_faces import mean_conductance
 
     (low, high), load = _contact_reach(case), case.load
-    point = max(load.points, key=lambda one: case.expected_force(*one))
-    force, largest = (max(case.expected_force(*one) for one in loads) for loads in (load.points, load.path))
-    larger = largest / force if force > 0.0 else 1.0
+    forces = {point: case.expected_force(*point) for point in load.path}
+    point = max(load.points, key=forces.__getitem__)
+    larger = max(forces.values()) / forces[point] if forces[point] > 0.0 else 1.0
     return mean_conductance(case, max(_line_loads(case)), high - low, point[0], larger)
 
 

@@ -67,6 +67,26 @@ def conductance_of(**load: Any) -> float:
     return heating.surroundings.conductance
 
 
+def test_after_a_larger_load_each_place_has_carried_its_hertz_pressure() -> None:
+    """Of a contact that was wider and pressed harder, both by the root of the force."""
+    given = heated(
+        load={"fluid_pressure": "1 Pa", "applied_force": "200 N", "largest_earlier_force": "1.8 kN"}
+    )
+    problem = SealProblem.of(given)
+    assert problem.at_rest.heating is not None
+    around = problem.at_rest.heating.surroundings
+    surface, fluid = rough_contact(given), leak.GapFluid.of("helium", problem.at_rest.fluid_temperature)
+    r0, half = given.initial_contact_radius, around.contact_range[1]
+    peak = 2 * 200.0 / (2 * math.pi * r0 * math.cos(given.contact.angle)) / (math.pi * half)
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    x = half * nodes
+    pressure, before = (
+        p0 * np.sqrt(1.0 - (x / b) ** 2) for p0, b in ((peak, half), (3.0 * peak, 3.0 * half))
+    )
+    h = leak.joint_conductance(surface, pressure, 16.0, fluid, fluid_pressure=101325, largest=before)
+    assert around.conductance == pytest.approx(0.5 * weights @ h, rel=0.01)
+
+
 def test_the_gas_is_that_of_the_load_that_presses_most() -> None:
     alone = conductance_of(fluid_pressure="0.1 bar", applied_force="2 kN")
     assert conductance_of(fluid_pressure=["0.1 bar", "5 bar"], applied_force="2 kN") == pytest.approx(alone)
